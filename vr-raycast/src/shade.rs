@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use vr_core::{GradientMethod, Light, Placement, RayShading, Real, Shading};
-use vr_kernels::vector::PacketShading;
+use vr_kernels::vector::{Modulation, PacketShading};
 
 use crate::chord::Chord;
 use crate::classify::Classifier;
@@ -35,10 +35,15 @@ impl<R: Real> Shader<R> {
         self.shading.along(&self.lights, direction)
     }
 
-    /// Returns the part that the vector engine needs.
-    pub(crate) fn for_packets(&self) -> PacketShading {
+    /// Returns the part that the vector engine needs, of a scene whose colours reflect or not; `None` if that is nothing.
+    pub(crate) fn for_packets(&self, reflects: bool) -> Option<PacketShading> {
+        let modulation = Modulation::new(&self.shading, self.scale);
+        if !reflects && modulation.is_none() {
+            return None;
+        }
         let to_world = self.to_world.map(|row| row.map(|x| x.to_f64() as f32));
-        PacketShading { shading: Arc::clone(&self.shading), lights: self.lights.clone(), to_world }
+        let (shading, lights) = (Arc::clone(&self.shading), self.lights.clone());
+        Some(PacketShading { shading, lights, to_world, modulation, reflects })
     }
 
     fn method(&self) -> GradientMethod {

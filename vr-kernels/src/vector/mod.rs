@@ -8,6 +8,7 @@ mod elementary;
 mod field;
 mod lanes;
 mod level;
+mod modulation;
 mod operator;
 mod rows;
 mod shade;
@@ -23,6 +24,7 @@ pub use elementary::{
 pub use field::{Cells, Field, Pairs, Stage, TwoRows, cells, inside};
 pub use lanes::Lanes;
 pub use level::{Vectorized, run};
+pub use modulation::{Modulation, StepOptics};
 pub use operator::Operator;
 pub use rows::{packed, rows_of, transpose, transpose_packed};
 pub use shade::{PacketLights, PacketShading, SeenLights, Shade, reflect};

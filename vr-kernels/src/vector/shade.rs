@@ -7,7 +7,8 @@ use fearless_simd::{Simd, f32x16, i32x16};
 use glam::DVec3;
 
 use super::field::{Cells, Field, Pairs, Stage};
-use super::{LANES, Lanes, ln, opacity_of_depth, pick, splat};
+use super::modulation::{Modulation, StepOptics};
+use super::{LANES, Lanes, ln, opacity_of_depth, pick, splat, step_light};
 use vr_core::{Light, Placement, Shading, turning};
 
 /// Shading, the same for all rays.
@@ -19,6 +20,10 @@ pub struct PacketShading {
     pub lights: Vec<Light>,
     /// Matrix from gradients per index step to world gradients, but for their length.
     pub to_world: [[f32; 3]; 3],
+    /// Factor on the extinction by the gradient; `None` where it has none.
+    pub modulation: Option<Modulation>,
+    /// True if colours reflect light.
+    pub reflects: bool,
 }
 
 impl PacketShading {
@@ -26,7 +31,7 @@ impl PacketShading {
     pub fn new(shading: Arc<Shading>, lights: &[Light], placement: &Placement, axes: [usize; 3]) -> Self {
         let (matrix, _) = placement.scaled_gradient_matrix(1.0);
         let to_world = std::array::from_fn(|row| axes.map(|a| matrix.col(a)[row] as f32));
-        Self { shading, lights: lights.to_vec(), to_world }
+        Self { shading, lights: lights.to_vec(), to_world, modulation: None, reflects: true }
     }
 }
 
@@ -149,6 +154,42 @@ impl Shade<'_> {
     ) {
         let [g, turn] = gradient(simd, field, at, step, stage);
         self.light_by(simd, g, turn, light);
+    }
+
+    /// Shades as [`apply`](Self::apply) does, after the factors of [`PacketShading::modulation`]: light and opacity of steps that absorb are made anew.
+    ///
+    /// Its own function, as that is.
+    #[inline(never)]
+    #[expect(clippy::too_many_arguments, reason = "what `apply` takes, and one more")]
+    pub fn apply_modulated<S: Simd, T: Pairs>(
+        &self,
+        simd: S,
+        field: &Field<'_, T>,
+        at: &[[Lanes; 3]; 2],
+        step: &[Lanes; 3],
+        optics: &StepOptics,
+        light: &mut [Lanes; 4],
+        stage: &mut Stage<T>,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let [g, turn] = gradient(simd, field, at, step, stage);
+                if let Some(modulation) = &self.shading.modulation {
+                    let factor = modulation.factor(simd, world(&self.shading.to_world, g));
+                    let [r, g, b, kappa] = &optics.row;
+                    let row = [r.load(simd), g.load(simd), b.load(simd), kappa.load(simd) * factor];
+                    let changed = step_light(simd, row, optics.length.load(simd), optics.emits);
+                    let absorbs = light[3].load(simd).simd_gt(splat(simd, 0.0));
+                    for c in 0..4 {
+                        light[c] = Lanes::new(pick(absorbs, changed[c], light[c].load(simd)));
+                    }
+                }
+                if self.shading.reflects {
+                    self.light_by(simd, g, turn, light);
+                }
+            },
+        );
     }
 
     /// Shades light of sixteen samples whose gradients are known, and that stand for themselves.
@@ -302,7 +343,7 @@ fn world<S: Simd>(m: &[[f32; 3]; 3], v: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
 
 /// Returns the size of the largest component.
 #[inline(always)]
-fn largest<S: Simd>(v: [f32x16<S>; 3]) -> f32x16<S> {
+pub(super) fn largest<S: Simd>(v: [f32x16<S>; 3]) -> f32x16<S> {
     v[0].abs().max(v[1].abs()).max(v[2].abs())
 }
 

@@ -141,7 +141,7 @@ impl PacketEngine {
             offset,
             negligible: 1.0 - termination,
             max_radiance: scene.max_radiance(),
-            shading: tables.shader.as_ref().filter(|_| scene.reflection().is_some()).map(|s| s.for_packets()),
+            shading: tables.shader.as_ref().and_then(|s| s.for_packets(scene.reflection().is_some())),
         })
     }
 
@@ -172,10 +172,7 @@ pub(super) fn fits(caster: &RayCaster, volume: &GridVolume) -> bool {
 
 /// True if the scene is unshaded, or shaded in the way that packets know.
 fn shadable(scene: &Scene) -> bool {
-    scene
-        .shading
-        .as_ref()
-        .is_none_or(|s| s.gradient == GradientMethod::CentralDifferences && s.gradient_opacity.is_empty())
+    scene.shading.as_ref().is_none_or(|s| s.gradient == GradientMethod::CentralDifferences)
 }
 
 /// Vector engine with a view.

@@ -3,8 +3,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_kernels::vector::{
-    Cells, Field, Lanes, OpticsTable, PacketLights, PacketShading, Pairs, Rows, Shade, Stage, Sums, cells, inside,
-    pick, splat, step_light,
+    Cells, Field, Lanes, OpticsTable, PacketLights, PacketShading, Pairs, Rows, Shade, Stage, StepOptics, Sums, cells,
+    inside, pick, splat, step_light,
 };
 
 use super::leap::{Distances, Leaper};
@@ -161,7 +161,7 @@ fn lattice<S: Simd, T: Pairs>(
             let value = medium.field.value(simd, &cells, now);
             let ratio = packet.ratio.load(simd);
             let light = step_light(simd, medium.optics.rows().at(simd, value), ratio, medium.optics.emits);
-            let light = shaded(simd, medium, lights, live, &ray, (&cells, ratio), light, now);
+            let light = shaded(simd, medium, lights, live, &ray, (&cells, value, ratio), light, now);
             sums.add(simd, live, [end, ratio], light);
             break;
         }
@@ -172,8 +172,9 @@ fn lattice<S: Simd, T: Pairs>(
         medium.field.fetch(simd, &cells_then, next);
         let value = medium.field.value(simd, &cells, now);
         let value_then = medium.field.value(simd, &cells_then, next);
-        let light = shaded(simd, medium, lights, live, &ray, (&cells, one), rows.at(simd, value), now);
-        let light_then = shaded(simd, medium, lights, live, &ray, (&cells_then, one), rows.at(simd, value_then), next);
+        let light = shaded(simd, medium, lights, live, &ray, (&cells, value, one), rows.at(simd, value), now);
+        let light_then = rows.at(simd, value_then);
+        let light_then = shaded(simd, medium, lights, live, &ray, (&cells_then, value_then, one), light_then, next);
         sums.add(simd, live, [at, one], light);
         end = pick((sums.clear(simd) * max_light).simd_le(negligible), never, end);
         live = then.simd_lt(end);
@@ -203,7 +204,7 @@ pub(crate) fn finish<S: Simd>(
     }
 }
 
-/// Returns the light after shading, where something is shaded, of samples at places and of steps of a length; `stage` is used up.
+/// Returns the light after shading, where something is shaded, of samples at places with values and of steps of a length; `stage` is used up.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "lanes in registers: what held them would be kept in memory")]
 pub(crate) fn shaded<S: Simd, T: Pairs>(
@@ -212,7 +213,7 @@ pub(crate) fn shaded<S: Simd, T: Pairs>(
     lights: &PacketLights,
     live: mask32x16<S>,
     ray: &Path<S>,
-    (at, length): (&Cells<S>, f32x16<S>),
+    (at, value, length): (&Cells<S>, f32x16<S>, f32x16<S>),
     light: [f32x16<S>; 4],
     stage: &mut Stage<T>,
 ) -> [f32x16<S>; 4] {
@@ -231,7 +232,15 @@ pub(crate) fn shaded<S: Simd, T: Pairs>(
             [Lanes::new(ray.delta[0] * length), Lanes::new(ray.delta[1] * length), Lanes::new(ray.delta[2] * length)];
     }
     let mut lanes = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(alpha)];
-    Shade { shading, lights }.apply(simd, &medium.field, &[cell, fraction], &step, &mut lanes, stage);
+    let shade = Shade { shading, lights };
+    if shading.modulation.is_some() {
+        let [r, g, b, kappa] = medium.optics.rows().at(simd, value);
+        let row = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(kappa)];
+        let optics = StepOptics { row, length: Lanes::new(length), emits: medium.optics.emits };
+        shade.apply_modulated(simd, &medium.field, &[cell, fraction], &step, &optics, &mut lanes, stage);
+    } else {
+        shade.apply(simd, &medium.field, &[cell, fraction], &step, &mut lanes, stage);
+    }
     [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)]
 }
 

@@ -27,8 +27,7 @@
 //!   0 to 9 %.
 //!
 //! And in the engine: tables of 1024 entries instead of 4096, 1 %; rays that leap until all of a packet, or three quarters, see something,
-//! instead of half: 0.95. Rules that pre-integrate, gradients of the filter itself, and opacity that follows the gradient are left to the plain
-//! engine.
+//! instead of half: 0.95. Rules that pre-integrate and gradients of the filter itself are left to the plain engine.
 
 #[cfg(test)]
 mod compared;

@@ -97,10 +97,12 @@ proptest! {
     }
 
     #[test]
-    fn shades_as_the_plain_engine_shades((scene, view) in scenes(0.9), step in 0.1f64..2.5, power in 0.0f64..40.0, side in any::<bool>()) {
+    fn shades_as_the_plain_engine_shades((scene, view) in scenes(0.9), step in 0.1f64..2.5, power in 0.0f64..40.0, side in any::<bool>(), factors in prop::collection::vec((0.0f64..2.0, 0.0f64..3.0), 0..4)) {
+        let mut gradient_opacity: Vec<(f64, f64)> = factors;
+        gradient_opacity.sort_by(|a, b| a.0.total_cmp(&b.0));
         let direction = side.then(|| DVec3::new(0.3, -0.8, 0.5));
         let lights = vec![Light::default(), Light { direction, color: [0.5, 1.0, 0.2] }];
-        let scene = Scene { shading: Some(Arc::new(Shading { power, ..Shading::default() })), lights, ..scene };
+        let scene = Scene { shading: Some(Arc::new(Shading { power, gradient_opacity, ..Shading::default() })), lights, ..scene };
         let caster = RayCaster { step: Step::Uniform(step), order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) };
         let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
         let plain = plain(&caster, &scene, &view);

@@ -113,6 +113,8 @@ impl PatchEngine {
             shading: Arc::clone(shading),
             lights: scene.lights.clone(),
             to_world: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            modulation: None,
+            reflects: true,
         });
         Some(Self {
             volume,

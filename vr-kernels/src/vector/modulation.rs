@@ -1,0 +1,79 @@
+//! Opacity that follows the steepness of the field, at sixteen places.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+use vr_core::Shading;
+
+use super::shade::largest;
+use super::{Lanes, pick, splat};
+
+/// Factor on the extinction by the magnitude of the gradient: linear between points, constant outside.
+#[derive(Clone, Debug)]
+pub struct Modulation {
+    /// Magnitude in the units of the gradients, and factor.
+    points: Vec<[f32; 2]>,
+}
+
+/// Optical properties of steps, which a factor changes.
+#[derive(Clone, Copy, Debug)]
+pub struct StepOptics {
+    /// (r, g, b, κ): a row of an [`OpticsTable`](super::OpticsTable).
+    pub row: [Lanes; 4],
+    /// Length, in the table's unit.
+    pub length: Lanes,
+    /// True if the row holds emission, which no factor changes.
+    pub emits: bool,
+}
+
+impl Modulation {
+    /// The factors of a shading for gradients in units of so many of its own; `None` if it has none.
+    pub fn new(shading: &Shading, unit: f64) -> Option<Self> {
+        let point = |&(magnitude, factor): &(f64, f64)| [(magnitude / unit) as f32, factor as f32];
+        let points: Vec<[f32; 2]> = shading.gradient_opacity.iter().map(point).collect();
+        (!points.is_empty()).then_some(Self { points })
+    }
+
+    /// Factors at sixteen gradients.
+    #[inline(always)]
+    pub(super) fn factor<S: Simd>(&self, simd: S, w: [f32x16<S>; 3]) -> f32x16<S> {
+        // Scaled by its largest component, so that the square neither underflows nor overflows.
+        let one = splat(simd, 1.0);
+        let longest = largest(w);
+        let scale = one / pick(longest.simd_gt(splat(simd, 0.0)), longest, one);
+        let n = [w[0] * scale, w[1] * scale, w[2] * scale];
+        let magnitude = longest * (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
+        let mut factor = splat(simd, self.points[0][1]);
+        for (i, &[at, value]) in self.points.iter().enumerate() {
+            let rise = match self.points.get(i + 1) {
+                Some(next) if next[0] > at => (next[1] - value) / (next[0] - at),
+                _ => 0.0,
+            };
+            let beyond = magnitude - at;
+            factor = pick(beyond.simd_ge(splat(simd, 0.0)), splat(simd, value) + beyond * rise, factor);
+        }
+        factor
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    #[test]
+    fn factors_are_those_of_the_shading() {
+        let shading =
+            Shading { gradient_opacity: vec![(0.5, 0.25), (2.0, 1.0), (2.0, 3.0), (4.0, 0.0)], ..Shading::default() };
+        let modulation = Modulation::new(&shading, 2.0).unwrap();
+        for gradient in [[0.0f64; 3], [0.1, 0.0, 0.2], [0.6, -0.6, 0.3], [1.0, 0.0, 0.0], [0.0, 0.0, -1.5], [9.0; 3]] {
+            let [x, y, z] = gradient.map(|g| g as f32);
+            let found = dispatch!(Level::new(), simd => {
+                modulation.factor(simd, [splat(simd, x), splat(simd, y), splat(simd, z)])[3]
+            });
+            let magnitude = 2.0 * gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
+            let want = shading.modulation(magnitude) as f32;
+            assert!((found - want).abs() < 1e-5, "{gradient:?}: {found} for {want}");
+        }
+        assert!(Modulation::new(&Shading::default(), 1.0).is_none());
+    }
+}
