@@ -164,8 +164,8 @@ impl GridVolume {
         self.values.filled.get_or_init(make).as_ref()
     }
 
-    /// The voxels of a grid of floats, with missing ones replaced.
-    pub(crate) fn filled_floats(&self) -> Option<&[f32]> {
+    /// The voxels of a grid of floats, with missing ones replaced by the nearest finite value; `None` of other voxels.
+    pub fn filled_floats(&self) -> Option<&[f32]> {
         match (self.filled(), self.values()) {
             (Some((filled, _)), _) => Some(filled.samples()),
             (None, AnyGrid::F32(grid)) => Some(grid.samples()),

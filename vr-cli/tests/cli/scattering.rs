@@ -151,7 +151,7 @@ fn surfaces_of_flags_are_those_of_scene_files() {
     let surfaces = "[[scattering.surfaces]]\nshape = { plane = { point = [0, -1.5, 0], normal = [0, 1, 0] } }\nreflectance = [0.8, 0.8, 0.8]\n\
                     [[scattering.surfaces]]\nshape = { sphere = { centre = [0, 3, 0], radius = 0.5 } }\nemission = [20, 20, 20]\n";
     vr.write("fog.toml", SCENE);
-    vr.write("lamp.toml", &SCENE.replace("[image]", &format!("{surfaces}[image]")));
+    vr.write("lamp.toml", SCENE.replace("[image]", &format!("{surfaces}[image]")));
     vr.run("render --scene lamp.toml --set paths=8 -o a.png").succeeded();
     let flags = "--surface plane=0,-1.5,0,0,1,0:matte=0.8 --surface sphere=0,3,0,0.5:emission=20";
     vr.run(&format!("render --scene fog.toml {flags} --set paths=8 -o b.png")).succeeded();

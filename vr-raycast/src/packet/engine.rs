@@ -8,7 +8,6 @@ use vr_core::filter::Lattice;
 use vr_core::image_order::ImageSample;
 use vr_core::{
     Compositing, Counts, Filter, GradientMethod, GridVolume, Layer, MaxRadiance, ParameterError, Rays, Scene, View,
-    with_grid,
 };
 use vr_kernels::ranges::LevelRanges;
 use vr_kernels::ranges::RangeBlocks;
@@ -123,7 +122,8 @@ impl PacketEngine {
                 let distances = leaps.then(|| Self::distances(volume, scene, &table, EDGE)).flatten();
                 (Arc::clone(&table), PacketSteps::Lattice { table, distances })
             }
-            (Step::Local { .. }, Some(map)) if caster.rule == Rule::Midpoint => {
+            // Steps that end at the faces of holes are the plain engine's.
+            (Step::Local { .. }, Some(map)) if caster.rule == Rule::Midpoint && volume.vacuum_cells().is_none() => {
                 let table = Arc::new(baked(scene, volume, step)?);
                 (table, PacketSteps::Local { map: Arc::clone(map), by_byte: Box::new(by_byte(map, step)) })
             }
@@ -160,14 +160,30 @@ impl PacketEngine {
     }
 }
 
-/// True if lanes can number a volume's voxels and a caster's steps in it, and read it without gaps.
+/// Runs code for the voxels of a volume, missing ones filled in, whatever type they have.
+macro_rules! with_voxels {
+    ($volume:expr, $lattice:ident => $body:expr) => {
+        match $volume.filled_floats().filter(|_| $volume.vacuum_cells().is_some()) {
+            Some(samples) => {
+                let $lattice = Lattice { samples, dims: $volume.dims() };
+                $body
+            }
+            None => vr_core::with_grid!($volume.values(), grid => {
+                let $lattice = Lattice { samples: grid.samples(), dims: grid.dims() };
+                $body
+            }),
+        }
+    };
+}
+pub(super) use with_voxels;
+
+/// True if lanes can number a volume's voxels and a caster's steps in it, and there is something in it.
 pub(super) fn fits(caster: &RayCaster, volume: &GridVolume) -> bool {
     let corners = volume.corners();
     let extent = corners.iter().map(|c| c.distance(corners[0])).fold(0.0, f64::max);
     let counted = 2.0 * extent / caster.world_step(volume.placement()) < MAX_STEPS;
     let offsets_fit = volume.dims().iter().product::<usize>() <= i32::MAX as usize;
-    let missing = volume.vacuum_cells().is_some() || volume.value_stats().range.is_none();
-    volume.filter() == Filter::Trilinear && counted && offsets_fit && !missing
+    volume.filter() == Filter::Trilinear && counted && offsets_fit && volume.value_stats().range.is_some()
 }
 
 /// True if the scene is unshaded, or shaded in the way that packets know.
@@ -204,8 +220,7 @@ impl<'a> PacketFrame<'a> {
 
 impl Tracer for PacketFrame<'_> {
     fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
-        with_grid!(self.volume.values(), grid => {
-            let lattice = Lattice { samples: grid.samples(), dims: grid.dims() };
+        with_voxels!(self.volume, lattice => {
             let medium = self.medium(&lattice);
             vector::run(self.engine.level, Trace { frame: self, medium: &medium, spots, starts, values, counts });
         });
@@ -277,6 +292,7 @@ impl PacketFrame<'_> {
         let engine = self.engine;
         Medium {
             field: Field::new(lattice),
+            vacuum: self.volume.vacuum_cells(),
             dims: lattice.dims,
             steps: match &engine.steps {
                 PacketSteps::Lattice { table, distances } => {

@@ -112,14 +112,12 @@ pub(crate) fn local<S: Simd, T: Pairs>(
         let (_, cells_then) = ray.cells(simd, medium, then + length_then * 0.5);
         medium.field.fetch(simd, &cells_then, next);
         // Classify both samples, and composite them front to back.
-        let value = medium.field.value(simd, &cells, now);
-        let value_then = medium.field.value(simd, &cells_then, next);
-        let (optics, optics_then) = (rows.at(simd, value), rows.at(simd, value_then));
+        let optics = rows.at(simd, medium.field.value(simd, &cells, now));
+        let optics_then = rows.at(simd, medium.field.value(simd, &cells_then, next));
         let light = step_light(simd, optics, length, medium.optics.emits);
-        let light = shaded(simd, medium, lights, live, &ray, (&cells, value, length), light, now);
+        let light = shaded(simd, medium, lights, live, &ray, (&cells, length), light, now);
         let light_then = step_light(simd, optics_then, length_then, medium.optics.emits);
-        let light_then =
-            shaded(simd, medium, lights, live, &ray, (&cells_then, value_then, length_then), light_then, next);
+        let light_then = shaded(simd, medium, lights, live, &ray, (&cells_then, length_then), light_then, next);
         sums.add(simd, live, [at, length], light);
         stop = pick((sums.clear(simd) * max_light).simd_le(negligible), never, stop);
         live = visible & then.simd_lt(stop - REST);

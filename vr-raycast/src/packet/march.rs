@@ -2,11 +2,13 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
+use vr_core::VacuumCells;
 use vr_kernels::vector::{
     Cells, Field, Lanes, OpticsTable, PacketLights, PacketShading, Pairs, Rows, Shade, Stage, StepOptics, Sums, cells,
     inside, pick, splat, step_light,
 };
 
+use super::gaps::there;
 use super::leap::{Distances, Leaper};
 use super::local::{LocalSteps, local};
 use super::setup::Packet;
@@ -15,6 +17,8 @@ use super::setup::Packet;
 #[derive(Clone, Copy)]
 pub(crate) struct Medium<'a, T> {
     pub(crate) field: Field<'a, T>,
+    /// Cells without a field; `None` if there are none.
+    pub(crate) vacuum: Option<&'a VacuumCells>,
     pub(crate) dims: [usize; 3],
     pub(crate) steps: MarchSteps<'a>,
     /// Table for steps of any length.
@@ -160,8 +164,9 @@ fn lattice<S: Simd, T: Pairs>(
         if ending {
             let value = medium.field.value(simd, &cells, now);
             let ratio = packet.ratio.load(simd);
+            let live = there(simd, medium.vacuum, &cells, live);
             let light = step_light(simd, medium.optics.rows().at(simd, value), ratio, medium.optics.emits);
-            let light = shaded(simd, medium, lights, live, &ray, (&cells, value, ratio), light, now);
+            let light = shaded(simd, medium, lights, live, &ray, (&cells, ratio), light, now);
             sums.add(simd, live, [end, ratio], light);
             break;
         }
@@ -172,9 +177,20 @@ fn lattice<S: Simd, T: Pairs>(
         medium.field.fetch(simd, &cells_then, next);
         let value = medium.field.value(simd, &cells, now);
         let value_then = medium.field.value(simd, &cells_then, next);
-        let light = shaded(simd, medium, lights, live, &ray, (&cells, value, one), rows.at(simd, value), now);
+        let light = shaded(simd, medium, lights, live, &ray, (&cells, one), rows.at(simd, value), now);
         let light_then = rows.at(simd, value_then);
-        let light_then = shaded(simd, medium, lights, live, &ray, (&cells_then, value_then, one), light_then, next);
+        let light_then = shaded(simd, medium, lights, live, &ray, (&cells_then, one), light_then, next);
+        // Holes shine nothing. (Masks of their own would take registers from volumes without any.)
+        let (mut light, mut light_then) = (light, light_then);
+        if medium.vacuum.is_some() {
+            let exists = there(simd, medium.vacuum, &cells, live);
+            let exists_then = there(simd, medium.vacuum, &cells_then, live);
+            let zero = splat(simd, 0.0);
+            for c in 0..4 {
+                light[c] = pick(exists, light[c], zero);
+                light_then[c] = pick(exists_then, light_then[c], zero);
+            }
+        }
         sums.add(simd, live, [at, one], light);
         end = pick((sums.clear(simd) * max_light).simd_le(negligible), never, end);
         live = then.simd_lt(end);
@@ -204,7 +220,7 @@ pub(crate) fn finish<S: Simd>(
     }
 }
 
-/// Returns the light after shading, where something is shaded, of samples at places with values and of steps of a length; `stage` is used up.
+/// Returns the light after shading, where something is shaded, of staged samples at places and of steps of a length; `stage` is used up.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "lanes in registers: what held them would be kept in memory")]
 pub(crate) fn shaded<S: Simd, T: Pairs>(
@@ -213,7 +229,7 @@ pub(crate) fn shaded<S: Simd, T: Pairs>(
     lights: &PacketLights,
     live: mask32x16<S>,
     ray: &Path<S>,
-    (at, value, length): (&Cells<S>, f32x16<S>, f32x16<S>),
+    (at, length): (&Cells<S>, f32x16<S>),
     light: [f32x16<S>; 4],
     stage: &mut Stage<T>,
 ) -> [f32x16<S>; 4] {
@@ -234,6 +250,8 @@ pub(crate) fn shaded<S: Simd, T: Pairs>(
     let mut lanes = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(alpha)];
     let shade = Shade { shading, lights };
     if shading.modulation.is_some() {
+        // Found anew: a value that was kept for this would take a register from every scene.
+        let value = medium.field.value(simd, at, stage);
         let [r, g, b, kappa] = medium.optics.rows().at(simd, value);
         let row = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(kappa)];
         let optics = StepOptics { row, length: Lanes::new(length), emits: medium.optics.emits };

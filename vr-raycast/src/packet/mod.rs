@@ -32,6 +32,7 @@
 #[cfg(test)]
 mod compared;
 mod engine;
+mod gaps;
 mod leap;
 mod level;
 mod local;

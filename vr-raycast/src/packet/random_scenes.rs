@@ -44,7 +44,7 @@ fn volumes() -> impl Strategy<Value = Volume> {
         (prop::array::uniform3(0.3f64..3.0), prop::array::uniform3(-0.3f64..0.3), prop::array::uniform3(-9.0f64..9.0));
     // Blobs: most of it empty, so that there is something to leap over.
     let blob = (prop::array::uniform3(0.0f64..1.0), 0.05f64..0.6);
-    (0usize..5, dims, shape, prop::collection::vec(blob, 1..4), 0.0f64..0.1, any::<u64>()).prop_map(
+    (0usize..6, dims, shape, prop::collection::vec(blob, 1..4), 0.0f64..0.1, any::<u64>()).prop_map(
         |(kind, dims, (spacing, shear, origin), blobs, noise, seed)| {
             let axes = DMat3::from_diagonal(DVec3::from(spacing))
                 + DMat3::from_cols(DVec3::ZERO, DVec3::X * shear[0], DVec3::new(shear[1], shear[2], 0.0));
@@ -59,6 +59,10 @@ fn volumes() -> impl Strategy<Value = Volume> {
                     (value + noise * (state >> 40) as f64 / (1u64 << 24) as f64).min(1.0)
                 })
                 .collect();
+            // Holes in some grids of floats.
+            let is_hole = |i: usize| kind == 5 && samples[i] > 0.3 && samples[i] < 0.6;
+            let samples: Vec<f64> =
+                (0..samples.len()).map(|i| if is_hole(i) { f64::NAN } else { samples[i] }).collect();
             grid(kind, dims, &samples, Placement::new(origin.into(), axes).unwrap())
         },
     )

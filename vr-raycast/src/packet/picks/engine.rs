@@ -6,13 +6,13 @@ use fearless_simd::{Level, Simd};
 use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::image_order::ImageSample;
-use vr_core::{Counts, GridVolume, ParameterError, Rays, Scene, View, with_grid};
+use vr_core::{Counts, GridVolume, ParameterError, Rays, Scene, View};
 use vr_kernels::ranges::RangeBlocks;
 use vr_kernels::vector::{self, LANES, Operator, Pairs, Stage, Vectorized};
 
 use super::march::{Peaks, PickMedium, march};
 use crate::caster::{EmptySpace, RayCaster, Rule, Step, Traversal};
-use crate::packet::engine::fits;
+use crate::packet::engine::{fits, with_voxels};
 use crate::packet::level;
 use crate::packet::setup::{FrameSetup, Packet};
 use crate::pipeline::{Pipeline, SurfaceLook};
@@ -100,10 +100,10 @@ impl<'a> PickFrame<'a> {
 impl Tracer for PickFrame<'_> {
     fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
         let engine = self.engine;
-        with_grid!(engine.volume.values(), grid => {
-            let lattice = Lattice { samples: grid.samples(), dims: grid.dims() };
+        with_voxels!(engine.volume, lattice => {
             let medium = PickMedium {
                 field: vector::Field::new(&lattice),
+                vacuum: engine.volume.vacuum_cells(),
                 dims: lattice.dims,
                 operator: engine.operator,
                 offset: engine.offset as f32,

@@ -2,9 +2,11 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
+use vr_core::VacuumCells;
 use vr_kernels::ranges::RangeBlocks;
 use vr_kernels::vector::{Cells, Field, LANES, Lanes, Operator, Pairs, Stage, cells, inside, pick, splat};
 
+use crate::packet::gaps::there;
 use crate::packet::leap::{Leaper, block_index};
 use crate::packet::setup::Packet;
 
@@ -12,6 +14,8 @@ use crate::packet::setup::Packet;
 #[derive(Clone, Copy)]
 pub(super) struct PickMedium<'a, T> {
     pub(super) field: Field<'a, T>,
+    /// Cells without a field; `None` if there are none.
+    pub(super) vacuum: Option<&'a VacuumCells>,
     pub(super) dims: [usize; 3],
     pub(super) operator: Operator,
     /// Place of a step's sample, as a fraction of the step.
@@ -177,7 +181,8 @@ fn through<S: Simd, T: Pairs>(
     if has_ends {
         let (_, place) = cells_at!(begin);
         medium.field.fetch(simd, &place, now);
-        choice.take(simd, operator, hit, [begin, begin, zero], medium.field.value(simd, &place, now));
+        let met = there(simd, medium.vacuum, &place, hit);
+        choice.take(simd, operator, met, [begin, begin, zero], medium.field.value(simd, &place, now));
         samples += hit.to_bitmask().count_ones();
     }
     #[allow(clippy::manual_map)]
@@ -227,9 +232,11 @@ fn through<S: Simd, T: Pairs>(
         medium.field.fetch(simd, &place_then, next);
         let value = medium.field.value(simd, &place, now);
         let value_then = medium.field.value(simd, &place_then, next);
-        choice.take(simd, operator, live, [(at - 1.0).max(begin), at, one], value);
+        let met = there(simd, medium.vacuum, &place, live);
+        choice.take(simd, operator, met, [(at - 1.0).max(begin), at, one], value);
         let on = live & then.simd_lt(end);
-        choice.take(simd, operator, on, [at, then, one], value_then);
+        let met = there(simd, medium.vacuum, &place_then, on);
+        choice.take(simd, operator, met, [at, then, one], value_then);
         samples += bits.count_ones() + on.to_bitmask().count_ones();
         at = pick(on, then + one, pick(live, then, at));
     }
@@ -240,13 +247,15 @@ fn through<S: Simd, T: Pairs>(
     let (_, place) = cells_at!(last);
     medium.field.fetch(simd, &place, now);
     let before = (packet.end.load(simd) - 1.0).max(begin);
-    choice.take(simd, operator, hit, [before, last, ratio], medium.field.value(simd, &place, now));
+    let met = there(simd, medium.vacuum, &place, hit);
+    choice.take(simd, operator, met, [before, last, ratio], medium.field.value(simd, &place, now));
     samples += hit.to_bitmask().count_ones();
     if has_ends {
         let stop = packet.stop.load(simd) - medium.offset;
         let (_, place) = cells_at!(stop);
         medium.field.fetch(simd, &place, next);
-        choice.take(simd, operator, hit, [last, stop, zero], medium.field.value(simd, &place, next));
+        let met = there(simd, medium.vacuum, &place, hit);
+        choice.take(simd, operator, met, [last, stop, zero], medium.field.value(simd, &place, next));
         samples += hit.to_bitmask().count_ones();
     }
     // Where a threshold is reached, between two samples.
@@ -259,7 +268,8 @@ fn through<S: Simd, T: Pairs>(
             let (_, place) = cells_at!(middle);
             medium.field.fetch(simd, &place, now);
             let value = medium.field.value(simd, &place, now);
-            let reached = (value * sign).simd_ge(least);
+            // Vacuum is below everything.
+            let reached = there(simd, medium.vacuum, &place, (value * sign).simd_ge(least));
             choice.value = pick(reached, value, choice.value);
             choice.at = pick(reached, middle, choice.at);
             choice.before = pick(reached, choice.before, middle);
