@@ -111,7 +111,7 @@ fn shortened(command: Command) -> Command {
     })
 }
 
-/// Prints the page of a topic: a command, a renderer, `renderers`, `presets` or `phantoms`; without one, the list of commands.
+/// Prints the page of a topic: a command, a renderer, `renderers`, `features`, `presets` or `phantoms`; without one, the list of commands.
 ///
 /// # Errors
 /// [`Failure::Usage`] for an unknown topic, with all that are known.
@@ -121,6 +121,7 @@ pub fn run(args: &HelpArgs, command: Command) -> Result<(), Failure> {
     let page = match args.topic.as_deref().unwrap_or_default() {
         "" => command.render_help().to_string(),
         "renderers" => format!("{}\n{}", renderers::feature_table(), renderer_list()),
+        "features" => renderers::feature_page(),
         "presets" => presets(),
         "phantoms" => phantoms(),
         topic => match command.find_subcommand_mut(topic) {
@@ -139,7 +140,7 @@ fn unknown(topic: &str, command: &Command) -> Failure {
     let mut commands: Vec<String> = command.get_subcommands().map(|sub| sub.get_name().to_owned()).collect();
     commands.sort_unstable();
     let renderers = renderers::all().into_iter().map(|r| r.name().to_owned());
-    let pages = ["renderers", "presets", "phantoms"].map(str::to_owned);
+    let pages = ["renderers", "features", "presets", "phantoms"].map(str::to_owned);
     let known: Vec<String> = commands.into_iter().chain(renderers).chain(pages).collect();
     Failure::usage(format!("help: found {topic:?}; must be one of {}", known.join(", ")))
 }

@@ -85,8 +85,20 @@ pub fn with_flags(mut options: Options, flags: &[(String, String)]) -> Options {
 /// Returns the features by renderer, for the help text and beside a comparison.
 pub fn feature_table() -> String {
     let matrix = FeatureMatrix::of(&all());
-    format!("Features (yes: drawn; some: in some settings; -: refused, with the reason):\n{matrix}")
+    format!("Features (yes: drawn; some: in some settings; -: refused; the reasons: vr help features):\n{matrix}")
 }
+
+/// Returns the page on the features of every renderer, with the reason for each that is refused.
+pub fn feature_page() -> String {
+    let renderers = all();
+    let matrix = FeatureMatrix::of(&renderers).with_depths(&renderers).page();
+    format!("# Features of scenes, by renderer\n\n{FEATURES}\n\n{matrix}")
+}
+
+/// First lines of the page on features.
+const FEATURES: &str = "\
+Each renderer was asked whether it draws a small scene that has the feature. yes: drawn; some: in some settings, not at the
+defaults; -: refused. The reasons stand under the table. `vr help features` prints this page.";
 
 /// Returns the page on a renderer: the options that `--set` takes; `None` if there is no renderer of that name.
 pub fn option_help(name: &str) -> Option<String> {

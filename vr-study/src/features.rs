@@ -3,33 +3,34 @@
 use std::fmt;
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use vr_core::amr::{AmrBlock, AmrCentring};
 use vr_core::field::FunctionField;
 use vr_core::rectilinear::Centering;
 use vr_core::{
-    AmrGrid, Calibration, Camera, CellMesh, Clip, Compositing, Control, ControlPoint, FacetHit, Filter, GradientMethod,
-    Layer, Light, OpacityRule, Placement, Plane, PointKernel, PointSet, Ray, RectilinearGrid, RenderError, Scene,
-    Shading, StudiedRenderer, SurfaceTracer, Surfaces, TransferFunction, UniformGrid, View, Volume,
+    AmrGrid, Calibration, Camera, CellMesh, Clip, ColorGrid, Compositing, Control, ControlPoint, FacetHit, Feature,
+    Filter, GradientMethod, GridVolume, Layer, Light, NamedSetting, OpacityRule, Placement, Plane, PointKernel,
+    PointSet, Ray, RectilinearGrid, RenderError, Scene, Shading, StudiedRenderer, SurfaceTracer, Surfaces,
+    TransferFunction, UniformGrid, Unsupported, View, Volume,
 };
 
 /// Answer of a renderer for a feature.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Support {
     /// Drawn at its default settings.
     Drawn,
-    /// Drawn at some of the settings that it documents, but not at the defaults.
-    InSomeSettings,
-    /// Refused.
-    Refused,
+    /// Drawn at some of the settings that it documents, of which this is the first, but not at the defaults.
+    InSomeSettings(String),
+    /// Refused, for this reason.
+    Refused(String),
 }
 
 impl fmt::Display for Support {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
             Self::Drawn => "yes",
-            Self::InSomeSettings => "some",
-            Self::Refused => "-",
+            Self::InSomeSettings(_) => "some",
+            Self::Refused(_) => "-",
         })
     }
 }
@@ -46,26 +47,121 @@ pub struct FeatureMatrix {
 impl FeatureMatrix {
     /// Asks renderers for every feature.
     pub fn of(renderers: &[Box<dyn StudiedRenderer>]) -> Self {
-        let others: Vec<Vec<Box<dyn StudiedRenderer>>> =
-            renderers.iter().map(|renderer| documented(&**renderer)).collect();
-        let asked_of = |draws: &dyn Fn(&dyn StudiedRenderer) -> bool| -> Vec<Support> {
-            renderers.iter().zip(&others).map(|(renderer, others)| asked(&**renderer, others, draws)).collect()
+        let mut rows = answers(renderers, scenes(), &draws);
+        let promises = |renderer: &dyn StudiedRenderer, _: &[Scene], _: &View| match renderer.with_max_error(1e-3) {
+            Some(Ok(_)) => Ok(()),
+            Some(Err(error)) => Err(error.to_string()),
+            None => Err("no bound of its error is known".to_owned()),
         };
-        let mut rows: Vec<(&'static str, Vec<Support>)> = scenes()
-            .into_iter()
-            .map(|(name, scene, view)| {
-                let others: Vec<Scene> = on_mesh(name, &scene).into_iter().chain([with_scattering(&scene)]).collect();
-                let draws = |renderer: &dyn StudiedRenderer| {
-                    let draws = |scene: &Scene| renderer.supports(scene, Some(&view)).is_ok();
-                    draws(&scene) || others.iter().any(draws)
-                };
-                (name, asked_of(&draws))
-            })
-            .collect();
-        let promises = |renderer: &dyn StudiedRenderer| matches!(renderer.with_max_error(1e-3), Some(Ok(_)));
-        rows.push(("a promised error", asked_of(&promises)));
+        let any = scenes().into_iter().take(1).map(|(_, scene, view)| ("a promised error", scene, view));
+        rows.extend(answers(renderers, any, &promises));
         Self { renderers: renderers.iter().map(|renderer| renderer.name()).collect(), rows }
     }
+
+    /// Adds whether renderers tell depths: to know that, small pictures are drawn.
+    pub fn with_depths(mut self, renderers: &[Box<dyn StudiedRenderer>]) -> Self {
+        self.rows.extend(answers(renderers, depths(), &tells_depth));
+        self
+    }
+
+    /// Writes the matrix as a page in Markdown: the table, and under it each renderer's reasons and the settings that draw what the defaults do not.
+    pub fn page(&self) -> String {
+        let mut text =
+            format!("| feature | {} |\n|---|{}\n", self.renderers.join(" | "), ":-:|".repeat(self.renderers.len()));
+        for (name, answers) in &self.rows {
+            let answers: Vec<String> = answers.iter().map(Support::to_string).collect();
+            text += &format!("| {name} | {} |\n", answers.join(" | "));
+        }
+        for (i, renderer) in self.renderers.iter().enumerate() {
+            // Features with one reason share a line.
+            let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
+            for (name, answers) in &self.rows {
+                let Some(reason) = reason(&answers[i]) else { continue };
+                match lines.iter_mut().find(|(known, _)| *known == reason) {
+                    Some((_, names)) => names.push(name),
+                    None => lines.push((reason, vec![name])),
+                }
+            }
+            if !lines.is_empty() {
+                text += &format!("\n## {renderer}\n\n");
+            }
+            for (reason, names) in lines {
+                text += &format!("- **{}**: {reason}\n", names.join(", "));
+            }
+        }
+        text
+    }
+}
+
+/// Question to a renderer about scenes that have a feature: nothing where it has the feature, the reason where it has not.
+type Question<'q> = &'q dyn Fn(&dyn StudiedRenderer, &[Scene], &View) -> Result<(), String>;
+
+/// Puts a question about each feature to each renderer.
+fn answers(
+    renderers: &[Box<dyn StudiedRenderer>],
+    features: impl IntoIterator<Item = (&'static str, Scene, View)>,
+    question: Question<'_>,
+) -> Vec<(&'static str, Vec<Support>)> {
+    let others: Vec<_> = renderers.iter().map(|renderer| documented(&**renderer)).collect();
+    let each = |(name, scene, view)| {
+        let scenes = variants(name, scene);
+        let ask = |renderer: &dyn StudiedRenderer| question(renderer, &scenes, &view);
+        let of_each = renderers.iter().zip(&others).map(|(renderer, others)| asked(&**renderer, others, &ask));
+        (name, of_each.collect())
+    };
+    features.into_iter().map(each).collect()
+}
+
+/// Writes why a feature is not drawn, or not at the defaults; `None` if it is drawn.
+fn reason(answer: &Support) -> Option<String> {
+    match answer {
+        Support::Drawn => None,
+        Support::InSomeSettings(setting) => Some(format!("in some settings, such as `{setting}`")),
+        Support::Refused(why) => Some(why.clone()),
+    }
+}
+
+/// Returns the scenes that have a feature: on the grid, on a mesh of cells and with scattering, for renderers that draw no others.
+fn variants(feature: &str, scene: Scene) -> Vec<Scene> {
+    let (mesh, scattering) = (on_mesh(feature, &scene), with_scattering(&scene));
+    [Some(scene), mesh, Some(scattering)].into_iter().flatten().collect()
+}
+
+/// Asks a renderer whether it draws any of these scenes.
+///
+/// # Errors
+/// The reason of its refusal; where it refuses several, the one that speaks of the feature itself, not of grids or scattering.
+fn draws(renderer: &dyn StudiedRenderer, scenes: &[Scene], view: &View) -> Result<(), String> {
+    let mut refusals = Vec::new();
+    for scene in scenes {
+        match renderer.supports(scene, Some(view)) {
+            Ok(()) => return Ok(()),
+            Err(refusal) => refusals.push(refusal),
+        }
+    }
+    let of_the_feature = refusals.iter().find_map(|refusal| match refusal {
+        RenderError::Unsupported(Unsupported { feature: Feature::VolumeKind | Feature::Scattering, .. }) => None,
+        RenderError::Unsupported(refusal) => Some(refusal.what.clone()),
+        other => Some(other.to_string()),
+    });
+    Err(of_the_feature.unwrap_or_else(|| match &refusals[0] {
+        RenderError::Unsupported(refusal) => refusal.what.clone(),
+        other => other.to_string(),
+    }))
+}
+
+/// Asks a renderer whether its frames of any of these scenes have depths.
+///
+/// # Errors
+/// The reason of its refusal of the scenes, or that it tells none.
+fn tells_depth(renderer: &dyn StudiedRenderer, scenes: &[Scene], view: &View) -> Result<(), String> {
+    draws(renderer, scenes, view)?;
+    let control = Control::default();
+    let depth = scenes.iter().any(|scene| {
+        let drawn = renderer.prepare(scene, &control).and_then(|mut prepared| prepared.render(view, &control));
+        drawn.is_ok_and(|drawn| drawn.frame.depth().is_some())
+    });
+    if depth { Ok(()) } else { Err("drawn, and no depth is told".to_owned()) }
 }
 
 /// Returns the scene of a feature on a mesh of cells, for renderers that draw no grids; `None` for features of a grid.
@@ -80,23 +176,22 @@ fn with_scattering(scene: &Scene) -> Scene {
     Scene { scattering: Some(Arc::default()), ..scene.clone() }
 }
 
-/// Makes a renderer at each setting that it documents.
-fn documented(renderer: &dyn StudiedRenderer) -> Vec<Box<dyn StudiedRenderer>> {
-    renderer.settings().iter().filter_map(|setting| renderer.with_options(&setting.options).ok()).collect()
+/// Makes a renderer at each setting that it documents, with the setting's name.
+fn documented(renderer: &dyn StudiedRenderer) -> Vec<(String, Box<dyn StudiedRenderer>)> {
+    let made = |setting: NamedSetting| Some((setting.name, renderer.with_options(&setting.options).ok()?));
+    renderer.settings().into_iter().filter_map(made).collect()
 }
 
 /// Asks a renderer at its defaults, then at the settings that it documents.
 fn asked(
     renderer: &dyn StudiedRenderer,
-    documented: &[Box<dyn StudiedRenderer>],
-    draws: &dyn Fn(&dyn StudiedRenderer) -> bool,
+    documented: &[(String, Box<dyn StudiedRenderer>)],
+    ask: &dyn Fn(&dyn StudiedRenderer) -> Result<(), String>,
 ) -> Support {
-    if draws(renderer) {
-        Support::Drawn
-    } else if documented.iter().any(|other| draws(&**other)) {
-        Support::InSomeSettings
-    } else {
-        Support::Refused
+    let Err(reason) = ask(renderer) else { return Support::Drawn };
+    match documented.iter().find(|(_, other)| ask(&**other).is_ok()) {
+        Some((setting, _)) => Support::InSomeSettings(setting.clone()),
+        None => Support::Refused(reason),
     }
 }
 
@@ -117,6 +212,21 @@ impl fmt::Display for FeatureMatrix {
         }
         Ok(())
     }
+}
+
+/// Returns a small scene and view for each operator that tells a depth.
+fn depths() -> Vec<(&'static str, Scene, View)> {
+    let all = scenes();
+    let named = |feature: &'static str, name: &str| {
+        let (_, scene, view) = all.iter().find(|(known, ..)| *known == name).expect("a feature of this name");
+        (feature, scene.clone(), view.clone())
+    };
+    vec![
+        named("depth under over", "over"),
+        named("depth under first", "first"),
+        named("depth under maximum", "maximum"),
+        named("depth in perspective", "perspective"),
+    ]
 }
 
 /// Returns a small scene and view for each feature.
@@ -152,6 +262,12 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
     let by_rows = by_rows.expect("a transfer function");
     let analytic = Shading { gradient: GradientMethod::Analytic, ..Shading::default() };
     let perspective = View { camera: camera(Some(30.0)), ..view.clone() };
+    let colors = plain.volume.grid().map(|grid| ColorGrid::new(GridVolume::clone(grid), [(); 3].map(|()| vec![9; 27])));
+    let colors = colors.expect("a grid").expect("colours");
+    let turn = DMat3::from_rotation_z(0.3);
+    let turned = Placement::oriented(DVec3::ZERO, [1.0; 3], turn).expect("a placement");
+    let turned = UniformGrid::new([3; 3], ramp(3), turned, Calibration::default()).expect("a grid");
+    let centre = Camera { eye: DVec3::ONE, target: DVec3::new(1.0, 1.0, 2.0), up: DVec3::Y, ..perspective.camera };
     let boxed = Clip { crop: Some((DVec3::ZERO, DVec3::new(2.0, 2.0, 1.0))), planes: Vec::new() };
     let plane = Clip { crop: None, planes: vec![Plane { normal: DVec3::ONE, offset: 3.0 }] };
     let of_scene = |name, scene| (name, scene, view.clone());
@@ -163,6 +279,7 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
         of_scene("volume: rectilinear grid", with_volume(uneven.expect("a grid").into())),
         of_scene("volume: adaptive mesh", with_volume(adaptive.expect("a mesh").into())),
         of_scene("volume: function", with_volume(function.into())),
+        of_scene("volume: voxels with colours", with_volume(colors.into())),
         of_scene("missing values", with_volume(grid(true))),
         of_scene("filter: nearest", plain.with_filter(Filter::Nearest)),
         of_scene("filter: B-spline", plain.with_filter(Filter::BSpline)),
@@ -181,7 +298,9 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
         of_scene("opacity by gradient", shaded(modulated)),
         of_scene("transfer function by gradient", Scene { transfer: Arc::new(by_rows), ..plain.clone() }),
         of_view("perspective", perspective),
-        of_view("crop box", View { clip: boxed, ..view.clone() }),
+        of_view("camera inside the volume", View { camera: centre, ..view.clone() }),
+        of_view("crop box", View { clip: boxed.clone(), ..view.clone() }),
+        ("crop box, turned volume", with_volume(turned.into()), View { clip: boxed, ..view.clone() }),
         of_view("clip planes", View { clip: plane, ..view.clone() }),
         of_scene("scattering", with_scattering(&plain)),
         of_scene("opaque surfaces", Scene { surfaces: Some(Arc::new(NoSurface)), ..plain.clone() }),
@@ -251,8 +370,11 @@ mod tests {
         }
         let matrix = FeatureMatrix::of(&renderers);
         for (name, answers) in &matrix.rows {
-            let drawn = if *name == "scattering" { Support::Refused } else { Support::Drawn };
-            assert_eq!(answers[6], drawn, "{matrix}");
+            assert_eq!(answers[6] == Support::Drawn, *name != "scattering", "{matrix}");
+            // A refusal says why.
+            for answer in answers {
+                assert!(!matches!(answer, Support::Refused(why) if why.is_empty()), "{name}");
+            }
         }
     }
 }

@@ -113,14 +113,14 @@ pub enum Command {
     Ray(Box<RayArgs>),
     /// Tell how light goes through a scene, which model of it the scene needs, and what each simpler one would cost
     Physics(Box<PhysicsArgs>),
-    /// Explain a command, a renderer and its options, or list names: renderers, presets, phantoms
+    /// Explain a command, a renderer and its options, or list names: renderers, features, presets, phantoms
     Help(HelpArgs),
 }
 
 /// `vr help`.
 #[derive(Debug, Args)]
 pub struct HelpArgs {
-    /// A command, a renderer, or one of renderers, presets and phantoms
+    /// A command, a renderer, or one of renderers, features, presets and phantoms
     pub topic: Option<String>,
 }
 

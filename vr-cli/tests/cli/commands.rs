@@ -80,6 +80,13 @@ fn quiet_says_nothing() {
     assert!(vr.exists("vr.png"));
 }
 
+/// The page in the documentation is the one that the renderers' answers make: `vr help features > docs/features.md` writes it anew.
+#[test]
+fn the_page_of_features_is_what_renderers_answer() {
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/features.md")).unwrap();
+    assert_eq!(Vr::new().run("help features").succeeded().stdout.trim_end(), page.trim_end());
+}
+
 #[test]
 fn help_and_version() {
     let vr = Vr::new();
@@ -90,6 +97,7 @@ fn help_and_version() {
         ("help render", ["--gradient-opacity", "Features", "Usage: vr render", "Exit codes"]),
         ("help", ["render", "compare", "help", "Exit codes"]),
         ("help renderers", ["Features", "raycast", "shearwarp", "vr help splat"]),
+        ("help features", ["| feature | raycast |", "## shearwarp", "- scattering: ", "vr help features"]),
         ("help raycast", ["Options of raycast", "step=", "leaping=", "screen="]),
         ("help shearwarp", ["Options of shearwarp", "slice-distance=", "warp=", "encoding="]),
         ("help texslice", ["Options of texslice", "proxy=", "format=", "brick="]),
