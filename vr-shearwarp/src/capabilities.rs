@@ -73,6 +73,8 @@ fn idle_option(renderer: &ShearWarp, scene: &Scene) -> Option<&'static str> {
         Some("a termination")
     } else if renderer.opacity_threshold > 0.0 {
         Some("an opacity-threshold")
+    } else if renderer.empty_space != default.empty_space {
+        Some("another search for what is visible (the option encoding)")
     } else if !renderer.correction {
         Some("uncorrected opacity (the option correction)")
     } else {
