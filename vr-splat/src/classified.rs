@@ -8,6 +8,7 @@ use vr_kernels::vector::OpticsTable;
 
 use crate::input::{SplatInput, offset, unit};
 use crate::kernel::Shape;
+use crate::ramps::Ramps;
 use crate::splatter::{Buffers, Splatter};
 use crate::visible::{VisibleVoxels, missing, visible_levels};
 use crate::voxel_optics::VoxelOptics;
@@ -20,6 +21,8 @@ pub(crate) struct Classified {
     pub(crate) values: OpticsTable,
     /// True if that table tells apart all that the transfer function does.
     pub(crate) resolved: bool,
+    /// The ramps themselves, of points whose table does not.
+    pub(crate) ramps: Option<Ramps>,
 }
 
 /// Voxels or points that are splatted.
@@ -74,7 +77,11 @@ impl Classified {
                 Visible::Points((0..points.count()).filter(|&k| shows(k)).map(|k| k as u32).collect())
             }
         };
-        Self { visible, light, values, resolved }
+        let ramps = match input {
+            SplatInput::Points(_) if !resolved => Ramps::new(transfer, unit(input)),
+            _ => None,
+        };
+        Self { visible, light, values, resolved, ramps }
     }
 }
 

@@ -67,6 +67,7 @@
 mod bins;
 mod bit_rows;
 mod capabilities;
+mod chord_table;
 mod classified;
 mod finish;
 mod hard_cases;
@@ -76,6 +77,7 @@ mod model;
 mod options;
 mod prepared;
 mod projection;
+mod ramps;
 mod renderer;
 mod section_table;
 mod shading;

@@ -202,6 +202,8 @@ impl PreparedSplatter {
                 Content::Values {
                     classifier: if self.classified.resolved {
                         Classifier::Table(&self.classified.values)
+                    } else if let Some(ramps) = &self.classified.ramps {
+                        Classifier::Ramps(ramps)
                     } else {
                         Classifier::Exact(&exact)
                     },

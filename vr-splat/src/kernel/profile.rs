@@ -84,6 +84,14 @@ impl Profile {
 }
 
 impl Radial {
+    /// The kernel of scattered points that it is, if it is one.
+    pub(crate) fn point(&self) -> Option<PointKernel> {
+        match self.form {
+            Form::Point(kernel) => Some(kernel),
+            _ => None,
+        }
+    }
+
     /// W(t), for t ≥ 0.
     pub(crate) fn at(&self, t: f64) -> f64 {
         if t >= 1.0 {

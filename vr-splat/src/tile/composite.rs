@@ -60,6 +60,10 @@ impl Tile<'_> {
                         let unit = 1.0 / painter.view.unit as f32;
                         step_light(simd, optics.rows().at(simd, value), length * unit, optics.emits)
                     }
+                    Classifier::Ramps(ramps) => {
+                        let unit = 1.0 / painter.view.unit as f32;
+                        ramps.step(simd, value, length * unit)
+                    }
                     Classifier::Exact(step) => {
                         let (value, length) = (value.to_array(), length.to_array());
                         let mut light = [Lanes::ZERO; 4];

@@ -4,6 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 use vr_kernels::vector::{LANES, Lanes, pick, splat};
 
+use crate::chord_table::ChordTable;
 use crate::kernel::{Profile, WindowedSinc};
 use crate::projection::SplatView;
 use crate::section_table::SectionTable;
@@ -13,6 +14,8 @@ use crate::tile::block::Block;
 /// A kernel, prepared for its footprints.
 pub(crate) enum FootprintKernel {
     Radial(SectionTable),
+    /// The same of points whose sections are looked up by chords, too.
+    Smooth(SectionTable, ChordTable),
     Bilinear,
     BSpline,
     Sinc(SincTable),
@@ -27,7 +30,10 @@ const INTERVALS: usize = 4096;
 impl FootprintKernel {
     pub(crate) fn new(profile: &Profile) -> Self {
         match profile {
-            Profile::Radial(radial) => Self::Radial(SectionTable::new(radial)),
+            Profile::Radial(radial) => match ChordTable::new(radial) {
+                Some(chords) => Self::Smooth(SectionTable::new(radial), chords),
+                None => Self::Radial(SectionTable::new(radial)),
+            },
             Profile::Bilinear => Self::Bilinear,
             Profile::BSpline => Self::BSpline,
             Profile::Sinc(sinc) => Self::Sinc(SincTable::new(sinc)),
@@ -95,9 +101,9 @@ fn beside<S: Simd>(simd: S, axes: &Axes, block: &Block, at: &Splat) -> [f32x16<S
 /// Rays through a radially symmetric kernel.
 pub(crate) struct Passing<S: Simd> {
     /// Distance of the lines from the middle, up to 1.
-    distance: f32x16<S>,
+    pub(crate) distance: f32x16<S>,
     /// Depth at which they are nearest to it.
-    nearest: f32x16<S>,
+    pub(crate) nearest: f32x16<S>,
     /// Kernel space per unit of depth.
     pub(crate) speed: f32x16<S>,
 }
@@ -241,7 +247,7 @@ pub(crate) fn whole<S: Simd>(
 ) -> Option<f32x16<S>> {
     let to = to.max(from);
     match kernel {
-        FootprintKernel::Radial(table) => {
+        FootprintKernel::Radial(table) | FootprintKernel::Smooth(table, _) => {
             let passing = Passing::new(simd, axes, block, at)?;
             // Nowhere negative; tables and rounding might be.
             let section = passing.up_to(simd, table, to) - passing.up_to(simd, table, from);

@@ -1,6 +1,7 @@
 //! One tile of the picture: its splats are added to sheets, and the sheets composited, sixteen pixels at a time.
 
 mod block;
+mod chords;
 mod composite;
 mod footprint;
 mod painter;
@@ -82,7 +83,7 @@ struct Tile<'a> {
     ready: u64,
     /// Blocks that take no more.
     done: u64,
-    /// Slot by slot, block by block, channel by channel.
+    /// Block by block, slot by slot, channel by channel: what a splat adds to a block lies together.
     sheets: Vec<Lanes>,
     /// Blocks that anything is in, slot by slot.
     touched: Vec<u64>,
@@ -97,6 +98,12 @@ struct Covered {
 }
 
 impl Tile<'_> {
+    /// The first channel of a slot in a block.
+    #[inline(always)]
+    fn place_of(&self, slot: usize, number: usize) -> usize {
+        (number * self.touched.len() + slot) * self.painter.channels()
+    }
+
     /// The blocks that a splat may reach.
     #[inline(always)]
     fn covered(&self, splat: &Splat) -> Option<Covered> {

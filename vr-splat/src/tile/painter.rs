@@ -5,6 +5,7 @@ use vr_kernels::vector::{LANES, Operator, OpticsTable};
 
 use crate::bins::Keyed;
 use crate::projection::SplatView;
+use crate::ramps::Ramps;
 use crate::shading::Shader;
 use crate::splatter::Buffers;
 use crate::visible::CellBits;
@@ -59,6 +60,8 @@ pub(crate) enum Content<'a> {
 pub(crate) enum Classifier<'a> {
     /// By a table, over lengths in the view's units.
     Table(&'a OpticsTable),
+    /// By the transfer function's ramps, over the same lengths.
+    Ramps(&'a Ramps),
     /// One by one: of a stored number and a length.
     Exact(&'a (dyn Fn(f32, f32) -> [f32; 4] + Sync)),
 }

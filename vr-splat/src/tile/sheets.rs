@@ -8,9 +8,9 @@ use crate::bins::Keyed;
 use crate::splat::Splat;
 use crate::splatter::Buffers;
 
+use super::Tile;
 use super::footprint::{Crossing, FootprintKernel, Passing};
 use super::painter::Content;
-use super::{BLOCKS, Tile};
 
 impl Tile<'_> {
     /// Sheets parallel to the image: a ring of those that splats are still added to.
@@ -61,6 +61,7 @@ impl Tile<'_> {
         let channels = painter.channels();
         let bit = 1u64 << number;
         match painter.kernel {
+            FootprintKernel::Smooth(_, chords) => self.add_chords(simd, chords, number, splat_, optics, [first, last]),
             // Differences of partial integrals from one sheet's face to the next.
             FootprintKernel::Radial(table) => {
                 let Some(passing) = Passing::new(simd, &self.axes, block, splat_) else { return };
@@ -75,7 +76,7 @@ impl Tile<'_> {
                     let section = (after - before).max(splat(simd, 0.0)) * factor;
                     before = after;
                     let slot = (sheet & (painter.ring - 1)) as usize;
-                    let at = (slot * BLOCKS + number) * channels;
+                    let at = self.place_of(slot, number);
                     let sheet = &mut self.sheets[at..at + channels];
                     add(simd, sheet, section, splat_.value, optics);
                     if let [_, to_back, to_front] = sheet {
@@ -102,7 +103,7 @@ impl Tile<'_> {
                     let section = if channels == 2 { weight } else { weight * factor * (end - start) };
                     start = end;
                     let slot = (sheet & (painter.ring - 1)) as usize;
-                    let at = (slot * BLOCKS + number) * channels;
+                    let at = self.place_of(slot, number);
                     add(simd, &mut self.sheets[at..at + channels], section, splat_.value, optics);
                     self.touched[slot] |= bit;
                 }
@@ -130,7 +131,7 @@ impl Tile<'_> {
         while touched != 0 {
             let number = touched.trailing_zeros() as usize;
             touched &= touched - 1;
-            let at = (slot * BLOCKS + number) * channels;
+            let at = self.place_of(slot, number);
             let block = &self.blocks[number];
             let (length, depth) = if of_image {
                 let (near, far) = (block.near.load(simd), block.far.load(simd));
@@ -155,7 +156,7 @@ impl Tile<'_> {
 
 /// Takes note of what a support covers of a sheet: how far its front is from the sheet's back, and its back from the sheet's front.
 #[inline(always)]
-fn cover<S: Simd>(
+pub(super) fn cover<S: Simd>(
     simd: S,
     to_back: &mut Lanes,
     to_front: &mut Lanes,

@@ -47,7 +47,7 @@ impl Tile<'_> {
                         state.value = Lanes::new(state.value.load(simd) + weight * at.value);
                         state.length = Lanes::new(state.length.load(simd) + weight);
                     } else if in_sheets {
-                        let place = number * channels;
+                        let place = self.place_of(0, number);
                         add(simd, &mut self.sheets[place..place + channels], weight, at.value, optics);
                         self.touched[0] |= 1 << number;
                     } else {
