@@ -208,10 +208,10 @@ impl Held {
             }
             let [enters, leaves] = if backwards { [last[i], first[i]] } else { [first[i], last[i]] };
             let (enters, leaves) = (number == enters, number == leaves);
-            // A sample on a face is that behind a slab, and where a ray enters there is one more.
-            step.first |= u32::from(enters) << i;
+            // A sample on a face is that behind a slab, and where a ray enters there is one more. The only slab of a ray has a first sample, turned a last.
+            step.first |= u32::from(enters && (on_faces || !(leaves && backwards))) << i;
             step.whole |= u32::from(!leaves && (on_faces || !enters)) << i;
-            step.last |= u32::from(leaves && (on_faces || !enters)) << i;
+            step.last |= u32::from(leaves && (on_faces || !enters || backwards)) << i;
             let behind = number - middle[i];
             step.number.0[i] = if backwards { f64::from(u8::from(on_faces)) - behind } else { behind } as f32;
         }
