@@ -134,14 +134,13 @@ fn check_texture(renderer: &TextureSlicer, scene: &Scene, volume: &GridVolume) -
         ));
     }
     let in_order = renderer.blend == Blend::FrontToBack && scene.compositing == Compositing::Over;
-    if (bricks || renderer.order == DrawOrder::Slices) && !in_order {
-        return Err(unsupported(Feature::Setting, "bricks and whole slices but under 'over', front to back"));
+    if bricks && !in_order {
+        return Err(unsupported(Feature::Setting, "bricks but under 'over', front to back"));
     }
-    let planes_of_values = renderer.proxy == Proxy::Planes && renderer.format == Format::Scalar;
-    if renderer.order == DrawOrder::Slices && (bricks || scene.reflection().is_some() || !planes_of_values) {
+    if bricks && renderer.order == DrawOrder::Slices {
         return Err(unsupported(
             Feature::Setting,
-            "whole slices but planes through unshaded values, classified after interpolation, in one texture",
+            "whole slices of bricks: a brick's slices are drawn while it is there, before the next brick's",
         ));
     }
     Ok(())
@@ -155,9 +154,6 @@ pub(crate) fn check_view(renderer: &TextureSlicer, scene: &Scene, view: &View) -
             Feature::Perspective,
             "voxels shaded beforehand in perspective: what they reflect changes from ray to ray",
         ));
-    }
-    if renderer.order == DrawOrder::Slices && view.supersampling > 1 {
-        return Err(unsupported(Feature::Supersampling, "several samples a pixel in whole slices"));
     }
     Ok(())
 }

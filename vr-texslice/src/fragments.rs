@@ -134,6 +134,17 @@ impl Setup<'_> {
         );
     }
 
+    /// The slabs of one of sixteen rays, which meets the volume.
+    #[inline(always)]
+    pub(crate) fn slabs(&self, chords: &Chords, ray: usize) -> Slabs {
+        let coordinate = self.slices.coordinate(
+            std::array::from_fn(|a| chords.origin[a][ray]),
+            std::array::from_fn(|a| chords.direction[a][ray]),
+            chords.offset[ray],
+        );
+        Slabs::new(coordinate, chords.start[ray], chords.end[ray])
+    }
+
     #[inline(always)]
     fn fill(&self, at: [&[f64; LANES]; 2], far: &[f64; LANES], counted: u32, out: &mut Fragments) {
         let chords = Chords::new(self.rays, at, self.placement, self.dims, self.clip, far);
@@ -151,14 +162,9 @@ impl Setup<'_> {
             // The ray in texture coordinates, and its slabs.
             let origin: [f64; 3] = std::array::from_fn(|a| chords.origin[self.axes[a]][i]);
             let direction: [f64; 3] = std::array::from_fn(|a| chords.direction[self.axes[a]][i]);
-            let coordinate = self.slices.coordinate(
-                std::array::from_fn(|a| chords.origin[a][i]),
-                std::array::from_fn(|a| chords.direction[a][i]),
-                chords.offset[i],
-            );
-            let slabs = Slabs::new(coordinate, start, end);
+            let slabs = self.slabs(&chords, i);
             let several = slabs.last > slabs.first;
-            let middle = (0.5 * (slabs.first + slabs.last)).floor();
+            let middle = slabs.middle();
             let (first_end, last_begin) = (slabs.first_end(), slabs.last_begin());
             // Lengths of the samples' slabs, in table lengths.
             let ratio = |length: f64| self.slices.ratio(length, slabs.slope) as f32;

@@ -90,6 +90,7 @@ mod occupancy;
 mod options;
 mod prepared;
 mod projection;
+mod proxy;
 mod renderer;
 mod slices;
 mod study;

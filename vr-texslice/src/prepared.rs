@@ -192,6 +192,7 @@ impl Prepared for PreparedTextureSlicer {
                 finish: &|rays, state, i| finish.pixel(rays, state, i),
                 level: self.level,
             },
+            order: self.renderer.order,
             control,
         };
         // The picture, brick by brick or through one texture.
@@ -239,6 +240,7 @@ fn time_if_made(
 /// A picture to draw.
 struct Job<'a> {
     scene: PacketScene<'a>,
+    order: DrawOrder,
     control: &'a Control,
 }
 
@@ -278,7 +280,10 @@ type Drawn = Result<(Vec<Pixel>, Counts), RenderError>;
 
 impl Job<'_> {
     fn through<X: Texture>(&self, texture: &X) -> Drawn {
-        draw_tiles(&self.scene, texture, self.control)
+        match self.order {
+            DrawOrder::Tiles => draw_tiles(&self.scene, texture, self.control),
+            DrawOrder::Slices => draw_slices(&self.scene, texture, self.control),
+        }
     }
 }
 
@@ -330,9 +335,6 @@ impl PreparedTextureSlicer {
             Some((_, Classified::Indices { texels, palette })) => {
                 job.through(&Light { texels: Indices { texels, palette }, dims })
             }
-            None if self.renderer.order == DrawOrder::Slices => with_grid!(volume.values(), g => {
-                draw_slices(&job.scene, &Lattice { samples: g.samples(), dims: g.dims() }, job.control)
-            }),
             None => with_grid!(volume.values(), g => {
                 job.through(&Voxels::new(&Lattice { samples: g.samples(), dims: g.dims() }))
             }),

@@ -36,7 +36,11 @@ impl ScreenProjection {
 
     /// Position of a point on the screen; in perspective it must lie before the eye.
     pub(crate) fn at(&self, point: DVec3) -> DVec2 {
-        let arm = point - self.eye;
+        self.at_arm(point - self.eye)
+    }
+
+    /// The same of a point given from the eye.
+    pub(crate) fn at_arm(&self, arm: DVec3) -> DVec2 {
         let depth = if self.perspective { self.frame.z_axis.dot(arm) } else { 1.0 };
         let scale = 1.0 / (self.pixel * depth);
         let (right, up) = (self.frame.x_axis.dot(arm) * scale, self.frame.y_axis.dot(arm) * scale);
@@ -61,17 +65,24 @@ impl ScreenProjection {
         self.frame.z_axis
     }
 
-    /// The slabs of planes so far apart that a box is cut into, front to back, each by where it begins and ends along [`Self::forward`] in the world; what
-    /// is behind the eye is left out. Slices are counted from the box's middle.
-    pub(crate) fn slabs(&self, corners: &[DVec3; 8], distance: f64) -> impl Iterator<Item = [f64; 2]> {
-        let middle = self.frame.z_axis.dot(0.5 * (corners[0] + corners[7]));
-        let along = corners.map(|c| self.frame.z_axis.dot(c) - middle);
-        let reach = along.into_iter().fold(0.0, |max: f64, d| max.max(d.abs()));
-        let last = (reach / distance + 0.5).floor() as i64;
-        let eye = self.frame.z_axis.dot(self.eye);
-        // In perspective, what is in the plane through the eye is nowhere on the screen.
-        let near = eye + if self.perspective { 1e-9 * (reach + distance) } else { 0.0 };
-        let slab = move |k: i64| [-0.5, 0.5].map(|side| (middle + (k as f64 + side) * distance).max(near));
-        (-last..=last).map(slab).filter(|[low, high]| low < high)
+    /// The eye.
+    pub(crate) fn eye(&self) -> DVec3 {
+        self.eye
+    }
+
+    /// World size of a pixel at a depth.
+    pub(crate) fn pixel_at(&self, depth: f64) -> f64 {
+        self.pixel * if self.perspective { depth } else { 1.0 }
+    }
+
+    /// The smallest cosine of the angle between a pixel's ray and the view.
+    pub(crate) fn smallest_cosine(&self) -> f64 {
+        let corner = 0.5 * self.pixel * DVec2::from_array(self.size);
+        if self.perspective { 1.0 / (1.0 + corner.length_squared()).sqrt() } else { 1.0 }
+    }
+
+    /// The direction, of any length, of the ray through a point given from the eye.
+    pub(crate) fn along(&self, arm: DVec3) -> DVec3 {
+        if self.perspective { arm } else { self.frame.z_axis }
     }
 }

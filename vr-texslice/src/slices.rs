@@ -107,6 +107,30 @@ impl Slices {
         [sign * at - self.shift, sign * slope]
     }
 
+    /// True for rays along which a stack's index falls: they meet its layers in the other order.
+    pub(crate) fn fall_along(&self, direction: [f64; 3]) -> bool {
+        matches!(self.kind, Kind::Stack { axis, .. } if direction[axis] < 0.0)
+    }
+
+    /// u of points of the world, gradient · point − offset, for rays along which a stack's index falls or does not; `None` where slices are no planes.
+    pub(crate) fn linear(&self, falling: bool, placement: &Placement) -> Option<(DVec3, f64)> {
+        let (gradient, at) = match self.kind {
+            Kind::Planes { gradient, middle } => (gradient, gradient.dot(middle)),
+            Kind::Shells { .. } => return None,
+            Kind::Stack { axis, per_layer } => (DVec3::AXES[axis] * if falling { -per_layer } else { per_layer }, 0.0),
+        };
+        let world = placement.inverse_axes().transpose() * gradient;
+        Some((world, world.dot(placement.origin()) + at + self.shift))
+    }
+
+    /// Radius of the shell numbered 0; `None` where slices are planes.
+    pub(crate) fn radius(&self) -> Option<f64> {
+        match self.kind {
+            Kind::Shells { radius } => Some(radius),
+            _ => None,
+        }
+    }
+
     /// Length that counts for a fragment's opacity, of a length of its ray, in table lengths. `slope`: of u along the ray.
     #[inline(always)]
     pub(crate) fn ratio(&self, length: f64, slope: f64) -> f64 {
@@ -140,6 +164,12 @@ impl Slabs {
         let first = (at + slope * start + 0.5).floor();
         let last = (at + slope * end - 0.5).ceil();
         Self { first, last: if last > first { last } else { first }, at, slope, start, end }
+    }
+
+    /// Number of the slab in the middle: samples are counted from it.
+    #[inline(always)]
+    pub(crate) fn middle(&self) -> f64 {
+        (0.5 * (self.first + self.last)).floor()
     }
 
     /// Distance at which the coordinate is `u`, which must lie within the ray where it goes through more than one slab.

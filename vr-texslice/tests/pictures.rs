@@ -7,7 +7,7 @@ use vr_core::*;
 use vr_physics::check::FixedLayer;
 use vr_physics::check::pictures::*;
 use vr_physics::{Metrics, Reference};
-use vr_texslice::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
+use vr_texslice::{Blend, Format, Proxy, TextureSlicer};
 
 const VIEWS: [(f64, f64, Option<f64>); 4] =
     [(0.0, 0.0, None), (33.0, 21.0, None), (-60.0, 50.0, Some(35.0)), (140.0, -30.0, Some(80.0))];
@@ -50,28 +50,6 @@ fn a_budget_too_small_is_refused() {
         let drawn = renderer.prepare(&scene, &control).and_then(|mut p| p.render(&view, &control));
         assert!(matches!(drawn, Err(RenderError::TooLarge { .. })), "{renderer:?}");
     }
-}
-
-#[test]
-fn slices_one_by_one_are_the_same_picture() {
-    let scene = phantom_scene::<u8>("fog", 32, 1.0);
-    for (azimuth, elevation, fov) in VIEWS {
-        let view = view(&scene, azimuth, elevation, fov, 40);
-        let tiles = draw(&TextureSlicer::brute_force(), &scene, &view);
-        let slices = draw(&TextureSlicer { order: DrawOrder::Slices, ..TextureSlicer::brute_force() }, &scene, &view);
-        // No pixel centre lies exactly on an outline here: every fragment is rasterised once, and in the same order.
-        assert_eq!(tiles.stats.counts.samples, slices.stats.counts.samples, "{azimuth}");
-        assert_eq!(tiles.frame, slices.frame, "{azimuth}");
-    }
-    let cut = Plane { normal: glam::DVec3::new(1.0, 0.3, -0.2), offset: 0.1 };
-    let crop = Some((glam::DVec3::splat(-0.7), glam::DVec3::new(0.8, 0.5, 0.9)));
-    let clipped = View { clip: Clip { crop, planes: vec![cut] }, ..view(&scene, 33.0, 21.0, Some(40.0), 40) };
-    let tiles = draw(&TextureSlicer::brute_force(), &scene, &clipped);
-    assert_eq!(
-        tiles.frame,
-        draw(&TextureSlicer { order: DrawOrder::Slices, ..TextureSlicer::brute_force() }, &scene, &clipped).frame
-    );
-    assert!(tiles.stats.counts.samples > 1000);
 }
 
 #[test]

@@ -65,7 +65,7 @@ impl<S: Simd> March<'_, S> {
     }
 
     /// The first samples of all rays (0), or the last (1).
-    fn outer(&mut self, simd: S, end: usize) {
+    pub(super) fn outer(&mut self, simd: S, end: usize) {
         if self.rays.has[end].0 == [0.0; LANES] {
             return;
         }
@@ -115,7 +115,7 @@ impl<S: Simd> March<'_, S> {
     }
 
     /// Values at the last of samples that are left out: what the next segments begin with.
-    fn look_at_last(&mut self, simd: S, number: &Lanes, len: usize) {
+    pub(super) fn look_at_last(&mut self, simd: S, number: &Lanes, len: usize) {
         // Of a ray that ends before, nothing is asked any more.
         let last = Lanes(number.0.map(|n| n + (len - 1) as f32));
         self.chunk.len = 1;
@@ -137,7 +137,7 @@ impl<S: Simd> March<'_, S> {
     }
 
     /// Classifies, shades and blends what was fetched.
-    fn draw(&mut self, simd: S, which: SampleSet<'_>, ratio: &Lanes) {
+    pub(super) fn draw(&mut self, simd: S, which: SampleSet<'_>, ratio: &Lanes) {
         let pass = self.pass;
         let chunk = &mut *self.chunk;
         match pass.classifier {
@@ -190,7 +190,7 @@ impl<S: Simd> March<'_, S> {
     }
 
     /// Number of the next samples, if nothing can be visible in the blocks that they touch.
-    fn invisible(&self, simd: S, number: &Lanes, len: usize) -> Option<u64> {
+    pub(super) fn invisible(&self, simd: S, number: &Lanes, len: usize) -> Option<u64> {
         let occupancy = self.pass.occupancy?;
         let touched = if self.pass.on_faces {
             // A segment begins at the sample before.

@@ -6,6 +6,7 @@ mod chunk;
 mod classify;
 mod march;
 mod state;
+mod step;
 mod tiles;
 mod whole_slices;
 

@@ -1,68 +1,220 @@
-//! A picture slice by slice, as graphics cards draw: each slab's footprint is rasterised, and its fragments are blended before the next one's.
+//! A picture slice by slice, as graphics cards draw: the triangles of each slab are rasterised, and its fragments are fetched, classified, shaded and blended
+//! before the next one's.
 
 use std::sync::{Mutex, PoisonError};
 
-use glam::DVec3;
-use vr_core::filter::Lattice;
+use fearless_simd::Simd;
+use glam::DVec2;
 use vr_core::image_order::in_parallel;
 use vr_core::parallel::locked;
 use vr_core::{Control, Counts, RenderError};
-use vr_kernels::vector::{Pairs, run};
+use vr_kernels::vector::{LANES, Lanes, Operator, PacketLights, Vectorized, run};
 
-use super::bricks::{BrickRays, GROUP, Waiting, set_up};
-use super::tiles::{PacketScene, Pixel, sixteens};
-use crate::geometry::{Body, box_corners, hull, spans};
-use crate::projection::ScreenProjection;
+use super::chunk::{Chunk, Fetch, Fetcher};
+use super::march::{March, PacketResult};
+use super::state::State;
+use super::step::Step;
+use super::tiles::{Packet, PacketScene, Pixel, sixteens};
+use crate::fragments::Fragments;
+use crate::geometry::polygon_spans;
+use crate::proxy::{ProxyGeometry, Slab};
+use crate::texture::{Lit, Texture};
 
-/// Draws every slab across the whole picture, front to back. Pixels whose centres lie exactly on a footprint's right or lower edge are not covered.
-pub(crate) fn draw_slices<T: Pairs>(
+/// Sixteens of pixels of a task.
+const GROUP: usize = 64;
+
+/// Draws every slab across the whole picture, one sample of each pixel after the other: an accumulation of pictures, as cards have it.
+pub(crate) fn draw_slices<X: Texture>(
     scene: &PacketScene<'_>,
-    volume: &Lattice<'_, T>,
+    texture: &X,
     control: &Control,
 ) -> Result<(Vec<Pixel>, Counts), RenderError> {
     let size = scene.view.size;
-    let places = sixteens(size);
-    let rays = set_up(scene, &places, 0, control)?;
-    let across = size[0].div_ceil(4) as usize;
-    let screen = ScreenProjection::new(scene.view)?;
-    let dims = volume.dims;
-    let corners = box_corners(scene.setup.placement, DVec3::ZERO, DVec3::from_array(dims.map(|n| (n - 1) as f64)));
-    let body = Body::new(&corners, &scene.view.clip);
-    let cells = dims.map(|n| [0, n - 1]);
-    let mut masks = vec![0u32; places.len()];
-    for [low, high] in screen.slabs(&corners, scene.setup.slices.distance) {
-        let outline = hull(body.slab(screen.forward(), low, high).into_iter().map(|p| screen.at(p)).collect());
-        let mut touched = Vec::new();
-        for span in spans(&outline, size) {
-            for x in span.begin..span.end {
-                let sixteen = (span.y / 4) as usize * across + (x / 4) as usize;
-                if masks[sixteen] == 0 {
-                    touched.push(sixteen);
-                }
-                masks[sixteen] |= 1 << (span.y % 4 * 4 + x % 4);
-            }
-        }
-        let groups: Vec<_> = touched.chunks(GROUP).collect();
-        in_parallel(control, groups.len() as u32, |g| {
-            for &i in groups[g as usize] {
-                let mut waiting = locked(&rays[i]);
-                let only = Some(masks[i]);
-                run(
-                    scene.level,
-                    BrickRays { scene, dims, cells: &cells, texture: Some(volume), only, waiting: &mut waiting },
-                );
-            }
-        })?;
-        touched.iter().for_each(|&i| masks[i] = 0);
+    let proxy = ProxyGeometry::new(scene.view, &scene.setup)?;
+    let mut slabs = proxy.slabs();
+    if scene.pass.operator == Operator::Over {
+        slabs.reverse();
     }
     let mut pixels = vec![Pixel::NOTHING; size[0] as usize * size[1] as usize];
     let mut counts = Counts::default();
-    for waiting in rays.into_iter().map(Mutex::into_inner) {
-        let Waiting { at, rays, state, drawn, skipped, .. } = waiting.unwrap_or_else(PoisonError::into_inner);
-        counts.rays += u64::from(rays.hits.count_ones());
-        counts.samples += drawn;
-        counts.skipped += skipped;
-        at.finish(scene, &rays, &state, |number, pixel| pixels[number] = pixel);
+    let n = scene.view.supersampling;
+    for sample in 0..n * n {
+        let places = sixteens(size);
+        let held = in_parallel(control, places.len() as u32, |i| {
+            Mutex::new(run(scene.level, SetUp { scene, at: places[i as usize], sample }))
+        })?;
+        // A sample lies where the pixel's centre would.
+        let centre = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
+        let shift = 0.5 - DVec2::new(centre(sample % n), centre(sample / n));
+        let mut masks = vec![0u32; places.len()];
+        for &slab in &slabs {
+            let touched = rasterize(&proxy, slab, shift, size, &mut masks);
+            let groups: Vec<_> = touched.chunks(GROUP).collect();
+            in_parallel(control, groups.len() as u32, |g| {
+                run(scene.level, Group { scene, texture, slab, which: groups[g as usize], masks: &masks, held: &held });
+            })?;
+            touched.iter().for_each(|&i| masks[i] = 0);
+        }
+        for waiting in held.into_iter().map(Mutex::into_inner) {
+            let Held { at, rays, state, done, .. } = waiting.unwrap_or_else(PoisonError::into_inner);
+            counts.rays += u64::from(rays.hits.count_ones());
+            counts.samples += done.drawn;
+            counts.skipped += done.skipped;
+            at.finish(scene, &rays, &state, |number, pixel| pixels[number] = pixels[number].plus(&pixel));
+        }
+    }
+    if n > 1 {
+        pixels.iter_mut().for_each(|pixel| *pixel = pixel.times(1.0 / f64::from(n * n)));
     }
     Ok((pixels, counts))
+}
+
+/// Sets the bits of the pixels of a slab, in the masks of their sixteens; returns which of these were touched.
+fn rasterize(proxy: &ProxyGeometry<'_>, slab: Slab, shift: DVec2, size: [u32; 2], masks: &mut [u32]) -> Vec<usize> {
+    let across = size[0].div_ceil(4) as usize;
+    let mut touched = Vec::new();
+    for span in proxy.polygons(slab, shift).iter().flat_map(|polygon| polygon_spans(polygon, size)) {
+        for x in span.begin..span.end {
+            let sixteen = (span.y / 4) as usize * across + (x / 4) as usize;
+            if masks[sixteen] == 0 {
+                touched.push(sixteen);
+            }
+            masks[sixteen] |= 1 << (span.y % 4 * 4 + x % 4);
+        }
+    }
+    touched
+}
+
+/// Sixteen rays, between slabs.
+struct Held {
+    at: Packet,
+    rays: Fragments,
+    lights: PacketLights,
+    max_behind: Lanes,
+    state: State,
+    before: Lanes,
+    /// Numbers of each ray's first slab and of its last, and of the one in the middle, from which samples are counted.
+    slabs: [[f64; LANES]; 3],
+    /// Bit i: along ray i a stack's index falls.
+    falling: u32,
+    done: PacketResult,
+}
+
+struct SetUp<'a> {
+    scene: &'a PacketScene<'a>,
+    at: Packet,
+    sample: u32,
+}
+
+impl Vectorized for SetUp<'_> {
+    type Output = Held;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Held {
+        let scene = self.scene;
+        let mut rays = Fragments::EMPTY;
+        self.at.set_up(simd, scene, self.sample, &mut rays);
+        let mut lights = PacketLights::default();
+        if let Some(shading) = scene.shading {
+            lights.look_along(&shading.lights, &rays.chords.along);
+        }
+        let (mut slabs, mut falling) = ([[0.0; LANES]; 3], 0);
+        for i in (0..LANES).filter(|i| rays.hits >> i & 1 == 1) {
+            let of = scene.setup.slabs(&rays.chords, i);
+            [slabs[0][i], slabs[1][i], slabs[2][i]] = [of.first, of.last, of.middle()];
+            let direction = rays.chords.direction.map(|axis| axis[i]);
+            falling |= u32::from(scene.setup.slices.fall_along(direction)) << i;
+        }
+        let max_behind = rays.max_behind(scene.max_radiance);
+        if scene.pass.operator == Operator::Over {
+            rays.turn();
+        }
+        Held {
+            at: self.at,
+            rays,
+            lights,
+            max_behind,
+            state: State::new(scene.pass.operator),
+            before: Lanes([f32::NAN; LANES]),
+            slabs,
+            falling,
+            done: PacketResult::default(),
+        }
+    }
+}
+
+/// Sixteens of pixels that a slab has touched.
+struct Group<'a, X> {
+    scene: &'a PacketScene<'a>,
+    texture: &'a X,
+    slab: Slab,
+    which: &'a [usize],
+    masks: &'a [u32],
+    held: &'a [Mutex<Held>],
+}
+
+impl<X: Texture> Vectorized for Group<'_, X> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let mut chunk = Chunk::EMPTY;
+        let mut texture = Fetcher::new(self.texture);
+        for &i in self.which {
+            locked(&self.held[i]).draw(simd, self.scene, &mut texture, &mut chunk, (self.slab, self.masks[i]));
+        }
+    }
+}
+
+impl Held {
+    /// Draws the fragments of a slab on the pixels that were rasterised.
+    fn draw<S: Simd>(
+        &mut self,
+        simd: S,
+        scene: &PacketScene<'_>,
+        texture: &mut dyn Fetch<S>,
+        chunk: &mut Chunk,
+        (slab, rasterized): (Slab, u32),
+    ) {
+        let falling = if slab.falling { self.falling } else { !self.falling };
+        let step = self.samples(&scene.pass.operator, scene.pass.on_faces, slab.number, rasterized & falling);
+        if step.first | step.whole | step.last == 0 {
+            return;
+        }
+        let mut march = March {
+            texture,
+            pass: &scene.pass,
+            lit: scene.shading.map(|shading| Lit { shading, lights: &self.lights }),
+            max_behind: &self.max_behind,
+            chunk,
+            rays: &mut self.rays,
+            state: &mut self.state,
+            before: self.before,
+            done: self.done,
+        };
+        march.step(simd, &step);
+        (self.before, self.done) = (march.before, march.done);
+    }
+
+    /// The samples of a slab, on those of the pixels rasterised whose rays have a part of it, and have not ended.
+    fn samples(&self, operator: &Operator, on_faces: bool, number: f64, rasterized: u32) -> Step {
+        let mut step = Step { first: 0, whole: 0, last: 0, number: Lanes::ZERO };
+        let backwards = *operator == Operator::Over;
+        let [first, last, middle] = &self.slabs;
+        for i in 0..LANES {
+            let live = rasterized & self.rays.hits & 1 << i != 0 && self.rays.end.0[i] > f32::NEG_INFINITY;
+            if !live || number < first[i] || number > last[i] {
+                continue;
+            }
+            let [enters, leaves] = if backwards { [last[i], first[i]] } else { [first[i], last[i]] };
+            let (enters, leaves) = (number == enters, number == leaves);
+            // A sample on a face is that behind a slab, and where a ray enters there is one more. The only slab of a ray has a first sample, turned a last.
+            step.first |= u32::from(enters && (on_faces || !(leaves && backwards))) << i;
+            step.whole |= u32::from(!leaves && (on_faces || !enters)) << i;
+            step.last |= u32::from(leaves && (on_faces || !enters || backwards)) << i;
+            let behind = number - middle[i];
+            step.number.0[i] = if backwards { f64::from(u8::from(on_faces)) - behind } else { behind } as f32;
+        }
+        step
+    }
 }

@@ -1,6 +1,7 @@
-//! Proxy geometry: the polygons in which slices cut a volume, the footprints of slabs, and their pixels.
+//! Proxy geometry: the polygons in which slices cut a volume, the faces of slabs between them, and their pixels, triangle by triangle.
 //!
-//! All of it is set-up, in f64, and needs no texture: what a host program does before fragments are drawn, by this crate or by a graphics card.
+//! All of it is set-up, and needs no texture: what a host program does before fragments are drawn, by this crate or by a graphics card; and what the card's
+//! rasteriser does.
 
 mod body;
 mod polygon;
@@ -8,6 +9,6 @@ mod raster;
 #[cfg(test)]
 mod tests;
 
-pub use body::{Body, box_corners, hull, slice_of_box};
+pub use body::{Body, box_corners, half_spaces};
 pub use polygon::{HalfSpace, Polygon, crossing};
-pub use raster::{Span, spans};
+pub use raster::{SUBPIXELS, Span, polygon_spans, snapped, triangle_spans};

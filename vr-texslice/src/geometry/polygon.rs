@@ -12,6 +12,18 @@ pub struct HalfSpace {
 }
 
 impl HalfSpace {
+    /// The same half space for points given from another origin.
+    #[must_use]
+    pub fn seen_from(&self, origin: DVec3) -> Self {
+        Self { normal: self.normal, offset: self.offset - self.normal.dot(origin) }
+    }
+
+    /// Its boundary moved outwards by a distance.
+    #[must_use]
+    pub fn loosened(&self, by: f64) -> Self {
+        Self { normal: self.normal, offset: self.offset - by * self.normal.length() }
+    }
+
     /// Distance of a point from the boundary, positive inside, times the normal's length.
     fn depth(&self, p: DVec3) -> f64 {
         self.normal.dot(p) - self.offset

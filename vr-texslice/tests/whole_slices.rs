@@ -1,0 +1,186 @@
+//! A picture slice by slice is the picture tile by tile, bit for bit: each slab's triangles are rasterised, and its fragments go through the same stages.
+
+use std::sync::Arc;
+
+use proptest::prelude::*;
+use proptest::test_runner::{RngAlgorithm, RngSeed};
+use vr_core::*;
+use vr_physics::check::TestScene;
+use vr_physics::check::pictures::*;
+use vr_physics::check::strategies::{Kind, scene_of};
+use vr_texslice::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
+
+const FORMATS: [Format; 6] =
+    [Format::Scalar, Format::PreIntegrated, Format::Compressed, Format::Rgba, Format::LuminanceAlpha, Format::Paletted];
+const PROXIES: [Proxy; 3] = [Proxy::Planes, Proxy::Shells, Proxy::Stacks];
+const OPERATORS: [Compositing; 6] = [
+    Compositing::Over,
+    Compositing::Accumulate { level: 0.3 },
+    Compositing::Average,
+    Compositing::Maximum,
+    Compositing::Minimum,
+    Compositing::First { threshold: 0.45 },
+];
+
+/// The pictures in both orders, tiles first; `None`: refused in both.
+fn in_both_orders(renderer: &TextureSlicer, scene: &Scene, view: &View) -> Option<[Rendered; 2]> {
+    let control = Control::default();
+    let of = |order| {
+        let drawn = TextureSlicer { order, ..renderer.clone() }.prepare(scene, &control);
+        drawn.and_then(|mut prepared| prepared.render(view, &control))
+    };
+    match (of(DrawOrder::Tiles), of(DrawOrder::Slices)) {
+        (Ok(tiles), Ok(slices)) => Some([tiles, slices]),
+        (Err(tiles), Err(slices)) => {
+            assert_eq!(tiles.to_string(), slices.to_string());
+            None
+        }
+        (tiles, slices) => panic!("tiles: {:?}, slices: {:?}", tiles.err(), slices.err()),
+    }
+}
+
+/// Grey fog in a small box, 23 pixels high: no multiple of four.
+fn grey() -> Scene {
+    let mut scene = phantom_scene::<u8>("fog", 14, 1.0);
+    let mut points = scene.transfer.points().to_vec();
+    points.iter_mut().for_each(|p| p.color = [p.color[1]; 3]);
+    let transfer = TransferFunction::new(points, scene.transfer.rule(), scene.transfer.unit_distance());
+    scene.transfer = Arc::new(transfer.unwrap());
+    scene
+}
+
+/// Views in parallel and in perspective, along an axis, clipped, and from inside, with rays in all directions.
+fn views(scene: &Scene) -> Vec<View> {
+    let from = |azimuth, elevation, fov| View { size: [26, 23], ..view(scene, azimuth, elevation, fov, 23) };
+    let cut = Plane { normal: glam::DVec3::new(2.0, 0.6, -0.4), offset: 0.2 };
+    let crop = Some((glam::DVec3::splat(-0.7), glam::DVec3::new(0.8, 0.5, 0.9)));
+    let clipped = View { clip: Clip { crop, planes: vec![cut] }, ..from(33.0, 21.0, Some(40.0)) };
+    let mut inside = from(20.0, 10.0, Some(110.0));
+    let (low, high) = scene.volume.bounds();
+    let eye = low + (high - low) * glam::DVec3::new(0.6, 0.45, 0.3);
+    inside.camera.target = eye + (inside.camera.target - inside.camera.eye);
+    inside.camera.eye = eye;
+    vec![from(0.0, 0.0, None), from(33.0, 21.0, None), from(140.0, -30.0, Some(80.0)), clipped, inside]
+}
+
+#[test]
+fn every_texture_operator_blend_and_proxy() {
+    let scene = grey();
+    let (mut drawn, mut fragments) = (0, 0);
+    for view in views(&scene) {
+        for (format, proxy) in FORMATS.iter().flat_map(|&f| PROXIES.map(|p| (f, p))) {
+            for (compositing, blend) in
+                OPERATORS.iter().flat_map(|&c| [Blend::FrontToBack, Blend::BackToFront].map(|b| (c, b)))
+            {
+                for shading in [None, Some(Arc::new(Shading::default()))] {
+                    let scene = Scene { compositing, shading, ..scene.clone() };
+                    let renderer =
+                        TextureSlicer { format, proxy, blend, slice_spacing: 0.8, ..TextureSlicer::brute_force() };
+                    let Some([tiles, slices]) = in_both_orders(&renderer, &scene, &view) else { continue };
+                    let how = format!("{renderer:?} {compositing:?} {:?} {:?}", scene.shading, view.camera);
+                    assert!(tiles.frame == slices.frame, "{how}");
+                    // Nothing is left out, so the rasteriser has found every fragment, and none twice.
+                    assert_eq!(tiles.stats.counts, slices.stats.counts, "{how}");
+                    drawn += 1;
+                    fragments += slices.stats.counts.samples;
+                }
+            }
+        }
+    }
+    println!("{drawn} pictures in both orders, {fragments} fragments");
+    assert!(drawn > 300 && fragments > 1_000_000, "{drawn} {fragments}");
+}
+
+#[test]
+fn several_samples_a_pixel_and_opaque_layers() {
+    let scene = grey();
+    for view in views(&scene) {
+        let several = View { supersampling: 3, ..view.clone() };
+        let rays = Rays::new(&view).unwrap();
+        let pixel = |i: u32| {
+            let ray = rays.at(f64::from(i % 26) + 0.5, f64::from(i / 26) + 0.5);
+            let middle = scene.volume.bounds().0 * 0.5 + scene.volume.bounds().1 * 0.5;
+            ([0.3, 0.6, 0.1], (ray.direction.dot(middle - ray.origin)).max(0.2) as f32)
+        };
+        let layered = vr_physics::check::FixedLayer::new(&view, pixel).among(&scene);
+        for proxy in PROXIES {
+            for format in [Format::Scalar, Format::PreIntegrated] {
+                let renderer = TextureSlicer { format, proxy, ..TextureSlicer::default() };
+                for (scene, view) in [(&scene, &several), (&layered, &view)] {
+                    let [tiles, slices] = in_both_orders(&renderer, scene, view).expect("it can draw this");
+                    assert!(tiles.frame == slices.frame, "{renderer:?} {:?}", view.camera);
+                    assert!(slices.stats.counts.samples > 100);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_seen_is_left_out_and_opaque_pixels_end() {
+    let blobs = phantom_scene::<u8>("blobs", 48, 1.0);
+    let view = view(&blobs, 33.0, 21.0, None, 32);
+    for format in [Format::Scalar, Format::PreIntegrated, Format::Rgba] {
+        let of = |skip_empty_space| {
+            let renderer = TextureSlicer { format, skip_empty_space, ..TextureSlicer::brute_force() };
+            in_both_orders(&renderer, &blobs, &view).expect("it can draw this")
+        };
+        let ([_, some], [tiles, all]) = (of(true), of(false));
+        assert!(some.frame == all.frame && some.frame == tiles.frame, "{format:?}");
+        let (some, all) = (some.stats.counts, all.stats.counts);
+        assert!(some.skipped > 1000 && all.skipped == 0, "{format:?}: {some:?} {all:?}");
+        assert_eq!(some.samples + some.skipped, all.samples, "{format:?}");
+    }
+    let mut dense = blobs.clone();
+    let opaque = ControlPoint::new(0.0, [0.9, 0.5, 0.2], 0.9);
+    dense.transfer = Arc::new(TransferFunction::new(vec![opaque], OpacityRule::Power, 0.01).unwrap());
+    let [tiles, slices] = in_both_orders(&TextureSlicer::default(), &dense, &view).expect("it can draw this");
+    let all = draw(&TextureSlicer::brute_force(), &dense, &view).stats.counts.samples;
+    assert!(tiles.frame == slices.frame);
+    assert_eq!(tiles.stats.counts.samples, slices.stats.counts.samples);
+    assert!(slices.stats.counts.samples < all / 4);
+}
+
+#[test]
+fn threads_change_nothing() {
+    let scene = grey();
+    let view = view(&scene, 33.0, 21.0, Some(30.0), 70);
+    let renderer = TextureSlicer { order: DrawOrder::Slices, ..TextureSlicer::default() };
+    let with = |threads| {
+        let control = Control::default().with_threads(threads);
+        renderer.prepare(&scene, &control).unwrap().render(&view, &control).unwrap().frame
+    };
+    assert_eq!(with(1), with(3));
+}
+
+fn renderer() -> impl Strategy<Value = TextureSlicer> {
+    let choice = (prop::sample::select(FORMATS.to_vec()), prop::sample::select(PROXIES.to_vec()));
+    (choice, any::<bool>(), any::<bool>(), 0.3..2.0f64).prop_map(|((format, proxy), back, skips, slice_spacing)| {
+        let blend = if back { Blend::BackToFront } else { Blend::FrontToBack };
+        TextureSlicer { format, proxy, blend, slice_spacing, skip_empty_space: skips, ..TextureSlicer::brute_force() }
+    })
+}
+
+#[test]
+fn random_scenes_of_every_kind() {
+    let config = ProptestConfig {
+        cases: 600,
+        failure_persistence: None,
+        rng_algorithm: RngAlgorithm::ChaCha,
+        rng_seed: RngSeed::Fixed(0x5eed),
+        ..ProptestConfig::default()
+    };
+    let drawn = std::cell::Cell::new(0);
+    proptest!(config, |(renderer in renderer(), test in scene_of(&Kind::ALL))| {
+        let TestScene { scene, view } = &test;
+        if let Some([tiles, slices]) = in_both_orders(&renderer, scene, view) {
+            drawn.set(drawn.get() + 1);
+            prop_assert!(tiles.frame == slices.frame);
+            let [a, b] = [tiles.stats.counts, slices.stats.counts];
+            prop_assert_eq!(a.rays, b.rays);
+            prop_assert_eq!(a.samples + a.skipped, b.samples + b.skipped);
+        }
+    });
+    println!("{} pictures in both orders", drawn.get());
+    assert!(drawn.get() > 150);
+}
