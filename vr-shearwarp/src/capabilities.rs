@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use vr_core::{
-    Compositing, Configurable, Feature, Filter, GradientMethod, GridVolume, Projection, RenderError, Scene,
-    Unsupported, View,
+    Compositing, Configurable, Feature, Filter, GradientMethod, GridVolume, RenderError, Scene, Unsupported,
 };
 use vr_kernels::tables::beyond_f32;
 
@@ -80,15 +79,6 @@ fn idle_option(renderer: &ShearWarp, scene: &Scene) -> Option<&'static str> {
     } else {
         None
     }
-}
-
-/// Checks that this renderer can draw a view of a scene that it can draw.
-pub(crate) fn check_view(scene: &Scene, view: &View) -> Result<(), RenderError> {
-    if matches!(view.camera.projection, Projection::Perspective { .. }) && scene.reflection().is_some() {
-        let what = "shading in perspective: what a normal reflects changes from ray to ray";
-        return Err(unsupported(Feature::Perspective, what));
-    }
-    Ok(())
 }
 
 /// The index of the last sample along each axis.

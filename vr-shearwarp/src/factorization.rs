@@ -51,9 +51,14 @@ impl IndexView {
         self.ahead
     }
 
+    /// World vector of an index vector.
+    pub(crate) fn to_world(&self, index: DVec3) -> DVec3 {
+        self.axes * index
+    }
+
     /// World length of an index vector.
     pub(crate) fn world_length(&self, index: DVec3) -> f64 {
-        (self.axes * index).length()
+        self.to_world(index).length()
     }
 
     /// Origin and direction, as linear functions of (x, y, 1): the columns of two matrices.

@@ -11,7 +11,8 @@ use vr_kernels::vector::{Vectorized, run};
 use crate::axis::Cells;
 use crate::codes::Code;
 use crate::composite::kernel::Kernel;
-use crate::composite::over::Over;
+use crate::composite::over::{BY_RAYS, BY_TABLE, Over, UNSHADED};
+use crate::composite::ray_lights::RayLights;
 use crate::composite::{Band, Scratch, Work};
 use crate::factorization::IndexView;
 use crate::image::IntermediateImage;
@@ -64,7 +65,7 @@ impl Job<'_> {
 /// Further inputs of compositing.
 pub(crate) struct OverJob<'a> {
     pub(crate) normals: &'a [u16],
-    pub(crate) reflections: &'a [Reflection],
+    pub(crate) lighting: Lighting<'a>,
     pub(crate) optics: &'a Optics,
     pub(crate) index_view: &'a IndexView,
     pub(crate) pass: &'a Pass,
@@ -72,7 +73,16 @@ pub(crate) struct OverJob<'a> {
     pub(crate) termination: f32,
     pub(crate) level: f32,
     pub(crate) before: bool,
-    pub(crate) shaded: bool,
+}
+
+/// What is known about the light that normals reflect.
+pub(crate) enum Lighting<'a> {
+    /// Nothing is shaded.
+    None,
+    /// The same to all rays, by a normal's code.
+    Table(&'a [Reflection]),
+    /// To each ray what it is.
+    Rays(RayLights),
 }
 
 impl OverJob<'_> {
@@ -86,23 +96,31 @@ impl OverJob<'_> {
         // What is interpolated after classification is a sample.
         let entry = if self.before { Entry::Sample } else { Entry::Depth };
         let lengths = Lengths::<P>::new(self.optics, view, f, spacing, self.correction, entry);
-        match (self.before, self.shaded) {
-            (false, false) => job.draw(&self.kernel::<P, false, false>(voxels, &lengths), image),
-            (false, true) => job.draw(&self.kernel::<P, false, true>(voxels, &lengths), image),
-            (true, false) => job.draw(&self.kernel::<P, true, false>(voxels, &lengths), image),
-            (true, true) => job.draw(&self.kernel::<P, true, true>(voxels, &lengths), image),
+        match (self.before, &self.lighting) {
+            (false, Lighting::None) => job.draw(&self.kernel::<P, false, UNSHADED>(voxels, &lengths), image),
+            (false, Lighting::Table(_)) => job.draw(&self.kernel::<P, false, BY_TABLE>(voxels, &lengths), image),
+            (false, Lighting::Rays(_)) => job.draw(&self.kernel::<P, false, BY_RAYS>(voxels, &lengths), image),
+            (true, Lighting::None) => job.draw(&self.kernel::<P, true, UNSHADED>(voxels, &lengths), image),
+            (true, Lighting::Table(_)) => job.draw(&self.kernel::<P, true, BY_TABLE>(voxels, &lengths), image),
+            (true, Lighting::Rays(_)) => job.draw(&self.kernel::<P, true, BY_RAYS>(voxels, &lengths), image),
         }
     }
 
-    fn kernel<'b, P: Code, const PRE_CLASSIFIED: bool, const SHADED: bool>(
+    fn kernel<'b, P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8>(
         &'b self,
         voxels: &'b [P],
         lengths: &'b Lengths<P>,
-    ) -> Over<'b, P, PRE_CLASSIFIED, SHADED> {
+    ) -> Over<'b, P, PRE_CLASSIFIED, SHADING> {
+        let (reflections, rays) = match &self.lighting {
+            Lighting::None => (&[][..], None),
+            Lighting::Table(reflections) => (*reflections, None),
+            Lighting::Rays(rays) => (&[][..], Some(rays)),
+        };
         Over {
             voxels,
             normals: self.normals,
-            reflections: self.reflections,
+            reflections,
+            rays,
             optics: self.optics,
             lengths,
             termination: self.termination,

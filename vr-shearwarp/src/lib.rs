@@ -58,6 +58,10 @@
 //! the origin 0.21 (0.02); 0.13 where outlines decide (0.02), 0.05 elsewhere (0.01); 7·10⁻⁶ in many faint steps.
 //! No error can be promised.
 //!
+//! # Shading
+//! Normals are encoded, half a degree off on average, and what they reflect is interpolated. Parallel rays share a table of that. In perspective
+//! lights at the eye and highlights change from ray to ray: each texel's own ray decides what the normals around its samples reflect.
+//!
 //! # Views
 //! * Parallel rays shear along the axis that they go most along, so that no slice moves by more than a voxel.
 //! * In perspective each ray has its own such axis. The picture is split by it, and each part is composited along its own, from inside the
@@ -66,8 +70,8 @@
 //!
 //! # What it does not do
 //! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; reconstruction filters other than the trilinear one; compositing
-//! `first`, for the place of a surface between slices is not known; opaque surfaces; shading in perspective, where what a normal reflects
-//! changes from ray to ray and no table serves; gradients other than central differences, and opacity that follows them. It tells no depths.
+//! `first`, for the place of a surface between slices is not known; opaque surfaces; gradients other than central differences, and opacity
+//! that follows them. It tells no depths.
 //! `maximum`, `minimum` and `average` are of the samples in slices.
 
 mod axis;

@@ -11,7 +11,7 @@ use vr_core::{
     gradient_at_sample,
 };
 
-use crate::capabilities::{check_view, last_sample};
+use crate::capabilities::last_sample;
 use crate::factorization::IndexView;
 use crate::lengths::length;
 use crate::passes::{Pass, passes};
@@ -23,8 +23,6 @@ use crate::slices::{Slice, Slices};
 pub(crate) struct SlicedModel {
     renderer: ShearWarp,
     scene: Scene,
-    /// World vector straight ahead.
-    ahead: DVec3,
     volume: Arc<GridVolume>,
     view: IndexView,
     passes: Vec<(Pass, Slices)>,
@@ -36,7 +34,6 @@ impl SlicedModel {
         (scene, volume): (&Scene, &Arc<GridVolume>),
         view: &View,
     ) -> Result<Self, RenderError> {
-        check_view(scene, view)?;
         let index_view = IndexView::new(view, volume.placement())?;
         let (dims, texel) = (volume.dims(), renderer.texel);
         let passes = match Region::of(view, volume.placement(), dims)? {
@@ -54,7 +51,6 @@ impl SlicedModel {
             renderer: renderer.clone(),
             scene: scene.clone(),
             volume: Arc::clone(volume),
-            ahead: view.camera.frame()?.z_axis,
             view: index_view,
             passes,
         })
@@ -73,6 +69,7 @@ impl DiscreteModel for SlicedModel {
                 continue;
             }
             let chord = slices.chord(at.x, at.y);
+            let along = (f.sign * view.to_world(f.step(at.x, at.y))).normalize();
             let distance = length(view, f, [at.x, at.y], self.renderer.correction) * slices.spacing;
             // What is interpolated after classification is so for one length everywhere.
             let interpolated =
@@ -85,7 +82,7 @@ impl DiscreteModel for SlicedModel {
                 .map(|slice| {
                     let uv = slice.map.offset + slice.map.scale * at;
                     let length = distance * slices.share(slice.depth, chord);
-                    let sample = self.sample(volume, f.axes, uv, slice, [interpolated, length]);
+                    let sample = self.sample(f.axes, along, uv, slice, [interpolated, length]);
                     SegmentTerm { transparency: 1.0 - sample[3], light: [sample[0], sample[1], sample[2]] }
                 })
                 .collect();
@@ -95,15 +92,16 @@ impl DiscreteModel for SlicedModel {
 }
 
 impl SlicedModel {
-    /// Light and opacity of one sample of that length; classified voxels are interpolated as samples of another.
+    /// Light and opacity of one sample of that length on a ray `along` a world direction; classified voxels are interpolated as samples of another.
     fn sample(
         &self,
-        volume: &GridVolume,
         axes: [usize; 3],
+        along: DVec3,
         uv: DVec2,
         slice: &Slice,
         [interpolated, length]: [f64; 2],
     ) -> [f64; 4] {
+        let volume = &*self.volume;
         let dims = volume.dims();
         // The cell along u and v, and the position in it.
         let cell: [(usize, f64); 2] = std::array::from_fn(|a| {
@@ -143,7 +141,7 @@ impl SlicedModel {
             std::array::from_fn(|c| if c < 3 { sample[c] * factor[c] + sample[3] * added[c] } else { sample[3] })
         };
         let reflection = |index| {
-            if shaded { self.reflection(volume, index) } else { ([1.0; 3], [0.0; 3]) }
+            if shaded { self.reflection(index, along) } else { ([1.0; 3], [0.0; 3]) }
         };
         // Classified voxels are interpolated, or the interpolated value is classified.
         match self.renderer.classification {
@@ -167,8 +165,8 @@ impl SlicedModel {
         }
     }
 
-    /// Reflection of the normal at a sample: factor and summand of light.
-    fn reflection(&self, volume: &GridVolume, index: [usize; 3]) -> ([f64; 3], [f64; 3]) {
+    /// Reflection of the normal at a sample to a ray `along` a world direction: factor and summand of light.
+    fn reflection(&self, index: [usize; 3], along: DVec3) -> ([f64; 3], [f64; 3]) {
         struct At([usize; 3]);
         impl LatticeVisitor for At {
             type Output = [f64; 3];
@@ -176,8 +174,9 @@ impl SlicedModel {
                 gradient_at_sample::<T, f64>(&lattice, self.0)
             }
         }
+        let volume = &*self.volume;
         let gradient = volume.placement().gradient_to_world(volume.with_lattice(At(index)).into());
         let shading = self.scene.shading.as_ref().expect("asked for where something is shaded");
-        shading.along::<f64>(&self.scene.lights, self.ahead).reflect(gradient.to_array())
+        shading.along::<f64>(&self.scene.lights, along).reflect(gradient.to_array())
     }
 }

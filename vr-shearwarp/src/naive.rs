@@ -2,8 +2,9 @@
 
 use proptest::prelude::*;
 use vr_core::{
-    Calibration, Camera, Classification, Compositing, Control, ControlPoint, LatticeVisitor, OpacityRule, Placement,
-    Plane, Projection, Renderer, Scene, Shading, TransferFunction, UniformGrid, View, Voxel, gradient_at_sample,
+    Calibration, Camera, Classification, Compositing, Control, ControlPoint, LatticeVisitor, Light, OpacityRule,
+    Placement, Plane, Projection, Renderer, Scene, Shading, TransferFunction, UniformGrid, View, Voxel,
+    gradient_at_sample,
 };
 
 use crate::capabilities::last_sample;
@@ -13,7 +14,7 @@ use crate::lengths::Lengths;
 use crate::optics::{Entry, Optics};
 use crate::passes::passes;
 use crate::prepared::PreparedShearWarp;
-use crate::reflections::{Reflection, encode, table};
+use crate::reflections::{Reflection, decode, encode, table};
 use crate::region::Region;
 use crate::shear_warp::{EmptySpace, ShearWarp};
 use crate::slices::Slices;
@@ -69,7 +70,7 @@ fn cases() -> impl Strategy<Value = Case> {
             eye,
             fov,
             renderer,
-            shaded: shaded && fov.is_none(),
+            shaded,
             level,
             cut,
         },
@@ -95,6 +96,8 @@ impl Case {
         let mut scene = Scene::new(volume, transfer);
         if self.shaded {
             scene.shading = Some(Shading::default().into());
+            let side = Light { direction: Some(glam::DVec3::new(0.3, 2.0, -1.0)), color: [0.2, 0.5, 0.9] };
+            scene.lights.push(side);
         }
         if let Some(level) = self.level {
             scene.compositing = Compositing::Accumulate { level };
@@ -130,7 +133,7 @@ fn texel<P: Code>(
     slices: &Slices,
     [x, y]: [usize; 2],
     (optics, lengths): (&Optics, &Lengths<P>),
-    reflections: &[Reflection],
+    reflection: &dyn Fn(u16) -> Reflection,
 ) -> [f64; 4] {
     let axes = slices.axes();
     let mut sum = [0.0f64; 4];
@@ -163,7 +166,7 @@ fn texel<P: Code>(
             value += weight * f64::from(code);
             let row = P::row(table, P::of(code).place(optics.codes_begin())).map(f64::from);
             let reflection = if case.shaded {
-                reflections[usize::from(normal(scene, index))]
+                reflection(normal(scene, index))
             } else {
                 Reflection { factor: [1.0; 4], added: [0.0; 4] }
             };
@@ -246,11 +249,8 @@ fn compare<P: Code>(case: &Case) -> Differences {
     let index_view = IndexView::new(&view, volume.placement()).unwrap();
     let last = last_sample(case.dims);
     let region = Region::of(&view, volume.placement(), case.dims).unwrap();
-    let reflections = if case.shaded {
-        table(scene.shading.as_ref().unwrap(), &scene.lights, view.camera.frame().unwrap().z_axis)
-    } else {
-        Vec::new()
-    };
+    let shading = scene.shading.clone().unwrap_or_default();
+    let reflections = table(&shading, &scene.lights, view.camera.frame().unwrap().z_axis);
     let mut prepared = PreparedShearWarp::new(case.renderer.clone(), &scene, &control).unwrap();
     let mut differences = Differences::default();
     let end = case.renderer.termination.min(case.level.unwrap_or(1.0));
@@ -269,7 +269,15 @@ fn compare<P: Code>(case: &Case) -> Differences {
         let [width, height] = pass.factorization.size;
         for y in 0..height {
             for x in 0..width {
-                let plain = texel(case, &scene, &codes, &slices, [x, y], (&optics, &lengths), &reflections);
+                let f = &pass.factorization;
+                let along = shading
+                    .along::<f64>(&scene.lights, index_view.to_world(f.sign * f.step(x as f64, y as f64)).normalize());
+                // In perspective each ray sees what it does.
+                let reflection = |code: u16| match decode(code) {
+                    Some(normal) if case.fov.is_some() => Reflection::new(along.reflect(normal.to_array())),
+                    _ => reflections[usize::from(code)],
+                };
+                let plain = texel(case, &scene, &codes, &slices, [x, y], (&optics, &lengths), &reflection);
                 let fast = image[y * width + x].map(f64::from);
                 let off = (0..4).map(|c| (plain[c] - fast[c]).abs()).fold(0.0, f64::max);
                 differences.all += 1;

@@ -13,14 +13,15 @@ use vr_kernels::ranges::VisibleValues;
 use vr_kernels::vector::Operator;
 
 use crate::axis::{Codewords, EncodedAxis, Encoder, WholeVolume};
-use crate::capabilities::{check, check_view, last_sample};
+use crate::capabilities::{check, last_sample};
 use crate::codes::Codes;
 use crate::composite::Scratch;
 use crate::composite::pick::Pick;
+use crate::composite::ray_lights::RayLights;
 use crate::encode::{Pyramid, Rule, VisibleLevels};
 use crate::factorization::IndexView;
 use crate::image::IntermediateImage;
-use crate::jobs::{Job, OverJob, warp_rows};
+use crate::jobs::{Job, Lighting, OverJob, warp_rows};
 use crate::memory::EncodedSize;
 use crate::model::SlicedModel;
 use crate::optics::Optics;
@@ -183,7 +184,6 @@ impl Prepared for PreparedShearWarp {
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
         let volume = Arc::clone(&self.volume);
         let index_view = IndexView::new(view, volume.placement())?;
-        check_view(&self.scene, view)?;
         let region = Region::of(view, volume.placement(), volume.dims())?;
         let dims = volume.dims();
         control.check()?;
@@ -232,7 +232,8 @@ impl PreparedShearWarp {
         let f = &pass.factorization;
         self.image.resize(f.size);
         let shaded = self.scene.reflection().is_some();
-        if shaded {
+        let by_rays = index_view.is_perspective();
+        if shaded && !by_rays {
             self.reflect(view, control)?;
         }
         let axis = self.axes[f.axes[2]].as_ref().expect("encoded before");
@@ -261,10 +262,16 @@ impl PreparedShearWarp {
             Compositing::Accumulate { level } => level,
             _ => 1.0,
         };
-        let reflections = self.reflections.as_ref().map_or(&[][..], |table| &table.entries);
+        let lighting = match (&self.scene.shading, &self.reflections) {
+            (Some(shading), _) if shaded && by_rays => {
+                Lighting::Rays(RayLights::new(shading, &self.scene.lights, index_view, f))
+            }
+            (_, Some(table)) if shaded => Lighting::Table(&table.entries),
+            _ => Lighting::None,
+        };
         let over = OverJob {
             normals: &axis.voxels.normals,
-            reflections,
+            lighting,
             optics,
             index_view,
             pass,
@@ -272,7 +279,6 @@ impl PreparedShearWarp {
             termination: self.renderer.termination.min(level) as f32,
             level: level as f32,
             before: self.renderer.classification == Classification::Pre,
-            shaded,
         };
         match &axis.voxels.codes {
             Codewords::Bytes(voxels) => over.draw(voxels, &job, image),

@@ -12,6 +12,13 @@ pub(crate) struct Reflection {
     pub(crate) added: [f32; 4],
 }
 
+impl Reflection {
+    pub(crate) fn new((factor, added): ([f64; 3], [f64; 3])) -> Self {
+        let four = |v: [f64; 3], last| [v[0] as f32, v[1] as f32, v[2] as f32, last];
+        Self { factor: four(factor, 1.0), added: four(added, 0.0) }
+    }
+}
+
 /// Steps along an edge of the octahedron's unfolded half.
 const EDGE: usize = 127;
 
@@ -49,12 +56,10 @@ pub(crate) fn decode(code: u16) -> Option<DVec3> {
 pub(crate) fn table(shading: &Shading, lights: &[Light], direction: DVec3) -> Vec<Reflection> {
     let along = shading.along::<f64>(lights, direction);
     let reflection = |code: usize| {
-        let (factor, added) = match decode(code as u16) {
+        Reflection::new(match decode(code as u16) {
             Some(normal) => along.reflect(normal.to_array()),
             None => ([1.0; 3], [0.0; 3]),
-        };
-        let four = |v: [f64; 3], last| [v[0] as f32, v[1] as f32, v[2] as f32, last];
-        Reflection { factor: four(factor, 1.0), added: four(added, 0.0) }
+        })
     };
     (0..CODES).map(reflection).collect()
 }

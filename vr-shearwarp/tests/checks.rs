@@ -81,7 +81,7 @@ fn what_it_cannot_draw_it_refuses() {
     assert!(refused(&scene.with_filter(Filter::BSpline), &view(None)));
     assert!(refused(&Scene { compositing: Compositing::First { threshold: 1.0 }, ..scene.clone() }, &view(None)));
     let shaded = Scene { shading: Some(Shading::default().into()), ..scene.clone() };
-    assert!(!refused(&shaded, &view(None)) && refused(&shaded, &view(Some(30.0))));
+    assert!(!refused(&shaded, &view(None)) && !refused(&shaded, &view(Some(30.0))));
     let modulated = Shading { gradient_opacity: vec![(0.0, 0.0), (1.0, 1.0)], ..Shading::default() };
     assert!(refused(&Scene { shading: Some(modulated.clone().into()), ..scene.clone() }, &view(None)));
     let analytic = Shading { gradient: GradientMethod::Analytic, ..Shading::default() };

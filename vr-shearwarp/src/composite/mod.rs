@@ -10,6 +10,7 @@ pub(crate) mod cells;
 pub(crate) mod kernel;
 pub(crate) mod over;
 pub(crate) mod pick;
+pub(crate) mod ray_lights;
 mod short_run;
 
 pub(crate) use band::{Band, Line, Scratch, Work};

@@ -9,18 +9,26 @@ use vr_kernels::vector::{
 
 use super::cells::{Columns, Edges, Places, SPAN, STEPS_F32, values};
 use super::kernel::{Added, Chunk, Kernel, Row};
+use super::ray_lights::RayLights;
 use super::short_run::MAX_SHORT;
 use crate::codes::Code;
 use crate::lengths::Lengths;
 use crate::optics::Optics;
 use crate::reflections::Reflection;
 
-/// Over, and accumulate. `PRE_CLASSIFIED`: voxels are classified, and then interpolated.
-pub(crate) struct Over<'a, P: Code, const PRE_CLASSIFIED: bool, const SHADED: bool> {
+/// Nothing is shaded; normals reflect the same to all rays; or to each ray what they do.
+pub(crate) const UNSHADED: u8 = 0;
+pub(crate) const BY_TABLE: u8 = 1;
+pub(crate) const BY_RAYS: u8 = 2;
+
+/// Over, and accumulate. `PRE_CLASSIFIED`: voxels are classified, and then interpolated. `SHADING`: one of the constants above.
+pub(crate) struct Over<'a, P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> {
     pub(crate) voxels: &'a [P],
     /// Normals in the order of the voxels, and what reflects at each; empty where nothing is shaded.
     pub(crate) normals: &'a [u16],
     pub(crate) reflections: &'a [Reflection],
+    /// Lights for shading by rays.
+    pub(crate) rays: Option<&'a RayLights>,
     pub(crate) optics: &'a Optics,
     pub(crate) lengths: &'a Lengths<P>,
     /// From this opacity on a texel is opaque.
@@ -29,7 +37,7 @@ pub(crate) struct Over<'a, P: Code, const PRE_CLASSIFIED: bool, const SHADED: bo
     pub(crate) level: f32,
 }
 
-impl<P: Code, const PRE_CLASSIFIED: bool, const SHADED: bool> Kernel for Over<'_, P, PRE_CLASSIFIED, SHADED> {
+impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Kernel for Over<'_, P, PRE_CLASSIFIED, SHADING> {
     const CLOSES: bool = true;
     // Of sixteen columns of classified voxels.
     const AT_ONCE: usize = if PRE_CLASSIFIED { LANES - 1 } else { LANES };
@@ -44,16 +52,21 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADED: bool> Kernel for Over<'_
         shares: Option<&[f32; LANES]>,
         row: &mut Row<'_>,
     ) -> Added {
-        if UNIT && at.n <= MAX_SHORT && shares.is_none() && self.lengths.ratios.is_none() {
+        if SHADING != BY_RAYS && UNIT && at.n <= MAX_SHORT && shares.is_none() && self.lengths.ratios.is_none() {
             return self.short_run(simd, edges, columns, &at, row);
         }
         let table = &self.lengths.table;
         let places = columns.places::<S, UNIT>(simd, edges.last);
-        let mut samples = if PRE_CLASSIFIED {
+        let mut samples = if PRE_CLASSIFIED && SHADING == BY_RAYS {
+            self.of_voxels_by_rays(simd, table, edges, &places, &at)
+        } else if PRE_CLASSIFIED {
             self.of_voxels::<S, N, UNIT>(simd, table, edges, &places, at.n)
         } else {
             self.of_values::<S, N, UNIT>(simd, table, edges, &places, at.n)
         };
+        if SHADING == BY_RAYS && !PRE_CLASSIFIED {
+            samples = self.lit_by_rays(simd, edges, &places, &at, samples);
+        }
         let shares = shares.map(|shares| f32x16::load_array_ref(simd, shares));
         if let Some(ratios) = &self.lengths.ratios {
             let mut ratio = ratios.lanes(simd, at.x, at.y);
@@ -78,7 +91,7 @@ fn of_depth<S: Simd>(simd: S, [r, g, b, tau]: [f32x16<S>; 4], ratio: f32x16<S>) 
     [r * shines, g * shines, b * shines, alpha]
 }
 
-impl<P: Code, const PRE_CLASSIFIED: bool, const SHADED: bool> Over<'_, P, PRE_CLASSIFIED, SHADED> {
+impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLASSIFIED, SHADING> {
     /// Sixteen samples, of which `n` count; the others are nothing.
     #[inline(always)]
     fn of_values<S: Simd, const N: usize, const UNIT: bool>(
@@ -101,7 +114,7 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADED: bool> Over<'_, P, PRE_CL
         for i in 0..LANES {
             rows[i] = f32x4::load_array_ref(simd, P::row(table, place[i] as u32 as usize));
         }
-        if SHADED {
+        if SHADING == BY_TABLE {
             let weight = places.weight.to_array();
             for i in 0..n {
                 rows[i] = self.lit(simd, edges, places.first + places.cell[i] as usize, weight[i], rows[i]);
@@ -129,7 +142,7 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADED: bool> Over<'_, P, PRE_CL
                 for i in 0..LANES {
                     rows[i] = f32x4::load_array_ref(simd, self.row(table, voxels[i]));
                 }
-                if SHADED {
+                if SHADING == BY_TABLE {
                     let normals = &self.normals[from..][..LANES];
                     for i in 0..LANES {
                         rows[i] = self.lit_voxel(simd, rows[i], normals[i]);
@@ -158,7 +171,7 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADED: bool> Over<'_, P, PRE_CL
             for e in 0..N {
                 let at = edges.at[e] + places.first + i;
                 let mut row = f32x4::load_array_ref(simd, self.row(table, self.voxels[at]));
-                if SHADED {
+                if SHADING == BY_TABLE {
                     row = self.lit_voxel(simd, row, self.normals[at]);
                 }
                 sum += row * edges.weights[e];

@@ -8,7 +8,7 @@ use vr_kernels::vector::share_to_level;
 
 use super::cells::{Columns, Edges};
 use super::kernel::{Added, Chunk, Row};
-use super::over::Over;
+use super::over::{BY_TABLE, Over};
 use crate::codes::Code;
 
 const FOUR: usize = 4;
@@ -25,7 +25,7 @@ fn transposed<S: Simd>([a, b, c, d]: [f32x4<S>; FOUR]) -> [f32x4<S>; FOUR] {
     [low.zip_low(high), low.zip_high(high), later_low.zip_low(later_high), later_low.zip_high(later_high)]
 }
 
-impl<P: Code, const PRE_CLASSIFIED: bool, const SHADED: bool> Over<'_, P, PRE_CLASSIFIED, SHADED> {
+impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLASSIFIED, SHADING> {
     /// Adds samples as [`Kernel::add`](super::kernel::Kernel::add) does, for up to [`MAX_SHORT`] whole samples, a texel a cell.
     #[inline(always)]
     pub(super) fn short_run<S: Simd, const N: usize>(
@@ -77,7 +77,7 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADED: bool> Over<'_, P, PRE_CL
         let place: i32x4<S> = counts.select(place, nothing).to_int();
         let place = place.to_array();
         let mut samples = place.map(|i| f32x4::load_array_ref(simd, P::row(&self.lengths.table, i as u32 as usize)));
-        if SHADED {
+        if SHADING == BY_TABLE {
             for (i, sample) in samples[..n].iter_mut().enumerate() {
                 *sample = self.lit(simd, edges, columns.first + i, columns.begin, *sample);
             }
@@ -99,7 +99,7 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADED: bool> Over<'_, P, PRE_CL
             for e in 0..N {
                 let at = edges.at[e] + columns.first + i;
                 let mut row = f32x4::load_array_ref(simd, self.row(&self.lengths.table, self.voxels[at]));
-                if SHADED {
+                if SHADING == BY_TABLE {
                     row = self.lit_voxel(simd, row, self.normals[at]);
                 }
                 sum += row * edges.weights[e];

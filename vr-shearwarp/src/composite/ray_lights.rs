@@ -1,0 +1,255 @@
+//! Shading by rays of many directions: in perspective, what a normal reflects differs from texel to texel, and no table of normals serves.
+//!
+//! Each texel's own ray decides: lights and half vectors are made for sixteen texels at a time, and every normal around a sample is asked what it
+//! reflects to them. So nothing is interpolated that a table of normals would not interpolate, too.
+
+use std::sync::LazyLock;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x4, f32x16};
+use glam::DVec3;
+use vr_core::{Light, Shading};
+use vr_kernels::vector::{LANES, ln, opacity_of_depth, pick, splat, transpose};
+
+use super::cells::{Edges, Places, STEPS_F32};
+use super::kernel::Chunk;
+use super::over::Over;
+use crate::codes::Code;
+use crate::factorization::{Factorization, IndexView};
+use crate::reflections::{CODES, decode};
+
+/// Unit normal of every code, and 0; of no normal, zeros and 1.
+static NORMALS: LazyLock<Vec<[f32; 4]>> = LazyLock::new(|| {
+    let of = |code: usize| decode(code as u16).map_or([0.0, 0.0, 0.0, 1.0], |n| n.as_vec3().extend(0.0).to_array());
+    (0..CODES).map(of).collect()
+});
+
+/// Shading and lights, and the directions of the texels' rays.
+pub(crate) struct RayLights {
+    normals: &'static [[f32; 4]],
+    ambient: f32,
+    diffuse: f32,
+    specular: f32,
+    power: f32,
+    lights: Vec<DirectedLight>,
+    /// World vector from texel (0, 0) back to the eye, not of length 1, and by how much that of the next texel to the right, and down, differs.
+    to_eye: [DVec3; 3],
+}
+
+struct DirectedLight {
+    /// Unit vector towards it; `None`: it is at the eye.
+    to_light: Option<[f32; 3]>,
+    color: [f32; 3],
+}
+
+/// A vector each for sixteen texels.
+type Vectors<S> = [f32x16<S>; 3];
+
+impl RayLights {
+    pub(crate) fn new(shading: &Shading, lights: &[Light], view: &IndexView, factorization: &Factorization) -> Self {
+        let back = |x: f64, y: f64| -factorization.sign * view.to_world(factorization.step(x, y));
+        let origin = back(0.0, 0.0);
+        let lights = lights.iter().map(|light| DirectedLight {
+            to_light: light.direction.map(|d| d.normalize().as_vec3().to_array()),
+            color: light.color.map(|c| c as f32),
+        });
+        Self {
+            normals: &NORMALS,
+            ambient: shading.ambient as f32,
+            diffuse: shading.diffuse as f32,
+            specular: shading.specular as f32,
+            power: shading.power as f32,
+            lights: lights.collect(),
+            to_eye: [origin, back(1.0, 0.0) - origin, back(0.0, 1.0) - origin],
+        }
+    }
+
+    /// Unit vectors to the eye of the sixteen texels from (x, y) on.
+    #[inline(always)]
+    fn to_eye<S: Simd>(&self, simd: S, x: usize, y: usize) -> Vectors<S> {
+        let [origin, right, down] = self.to_eye;
+        let first = origin + x as f64 * right + y as f64 * down;
+        let steps = f32x16::load_array_ref(simd, &STEPS_F32);
+        let along = |a: usize| steps * right[a] as f32 + first[a] as f32;
+        unit(simd, [along(0), along(1), along(2)])
+    }
+
+    /// Sixteen normals.
+    #[inline(always)]
+    fn normals<S: Simd>(&self, simd: S, codes: [u16; LANES]) -> [f32x16<S>; 4] {
+        let mut rows = [f32x4::splat(simd, 0.0); LANES];
+        for i in 0..LANES {
+            rows[i] = f32x4::load_array_ref(simd, &self.normals[usize::from(codes[i])]);
+        }
+        transpose(rows)
+    }
+
+    /// What a normal reflects of a light: the cosine to the light, and the highlight, without coefficients.
+    #[inline(always)]
+    fn reflected<S: Simd>(
+        &self,
+        simd: S,
+        [x, y, z, _]: [f32x16<S>; 4],
+        to_light: &Vectors<S>,
+        half: &Vectors<S>,
+    ) -> [f32x16<S>; 2] {
+        let one = splat(simd, 1.0);
+        let cosine = |v: &Vectors<S>| (x * v[0] + y * v[1] + z * v[2]).abs().min(one);
+        // x^p = e^(p ln x).
+        let thickness = ln(simd, cosine(half).max(splat(simd, f32::MIN_POSITIVE))).min(splat(simd, 0.0)) * -self.power;
+        [cosine(to_light), one - opacity_of_depth(simd, thickness)]
+    }
+
+    /// The factors on the three colours, and the light added to what is opaque, of `normals` with their weights, the sum of which is 1.
+    #[inline(always)]
+    fn mean<S: Simd, const CORNERS: usize>(
+        &self,
+        simd: S,
+        normals: &[[f32x16<S>; 4]],
+        weights: &[f32x16<S>],
+        to_eye: &Vectors<S>,
+    ) -> [Vectors<S>; 2] {
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        // No normal, no shading.
+        let mut flat = zero;
+        for c in 0..CORNERS {
+            flat += weights[c] * normals[c][3];
+        }
+        let ambient = (one - flat) * self.ambient + flat;
+        let (mut factor, mut added) = ([ambient; 3], [zero; 3]);
+        for light in &self.lights {
+            let (to_light, half) = match light.to_light {
+                None => (*to_eye, *to_eye),
+                Some(d) => {
+                    let to_light = d.map(|c| splat(simd, c));
+                    let [x, y, z] = [0, 1, 2].map(|a| to_light[a] + to_eye[a]);
+                    (to_light, unit(simd, [x, y, z]))
+                }
+            };
+            let (mut facing, mut highlight) = (zero, zero);
+            for c in 0..CORNERS {
+                let [cosine, shine] = self.reflected(simd, normals[c], &to_light, &half);
+                let lit = weights[c] * (one - normals[c][3]);
+                facing += cosine * lit;
+                highlight += shine * lit;
+            }
+            let (facing, highlight) = (facing * self.diffuse, highlight * self.specular);
+            for c in 0..3 {
+                factor[c] += facing * light.color[c];
+                added[c] += highlight * light.color[c];
+            }
+        }
+        [factor, added]
+    }
+}
+
+/// The vectors with length 1; zero where they have no direction.
+#[inline(always)]
+fn unit<S: Simd>(simd: S, [x, y, z]: Vectors<S>) -> Vectors<S> {
+    let square = x * x + y * y + z * z;
+    let some = square.simd_gt(splat(simd, f32::MIN_POSITIVE));
+    let one = splat(simd, 1.0);
+    let inverse = pick(some, one / pick(some, square, one).sqrt(), splat(simd, 0.0));
+    [x * inverse, y * inverse, z * inverse]
+}
+
+/// Shaded light of sixteen samples.
+#[inline(always)]
+fn lit<S: Simd>([r, g, b, alpha]: [f32x16<S>; 4], [factor, added]: [Vectors<S>; 2]) -> [f32x16<S>; 4] {
+    let [r, g, b] = [[r, factor[0], added[0]], [g, factor[1], added[1]], [b, factor[2], added[2]]]
+        .map(|[light, factor, added]| light * factor + added * alpha);
+    [r, g, b, alpha]
+}
+
+/// True if some of sixteen samples are not nothing.
+#[inline(always)]
+fn any<S: Simd>(simd: S, [r, g, b, alpha]: [f32x16<S>; 4]) -> bool {
+    (r + g + b + alpha).simd_gt(splat(simd, 0.0)).any_true()
+}
+
+impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLASSIFIED, SHADING> {
+    /// Codes of normals at the left (0) or right (1) corners along an edge.
+    #[inline(always)]
+    fn corner_normals<S: Simd>(&self, at: usize, places: &Places<S>, n: usize) -> [u16; LANES] {
+        let mut codes = [0; LANES];
+        for i in 0..n {
+            codes[i] = self.normals[at + places.first + places.cell[i] as usize];
+        }
+        codes
+    }
+
+    /// Weight of the left (0) or right (1) corners along an edge.
+    #[inline(always)]
+    fn corner_weight<S: Simd>(simd: S, places: &Places<S>, right: usize, edge: f32) -> f32x16<S> {
+        let along = if right == 0 { splat(simd, 1.0) - places.weight } else { places.weight };
+        along * edge
+    }
+
+    /// Samples shaded by what reflects at the voxels around them to each texel's ray, interpolated.
+    #[inline(always)]
+    pub(super) fn lit_by_rays<S: Simd, const N: usize>(
+        &self,
+        simd: S,
+        edges: &Edges<N>,
+        places: &Places<S>,
+        at: &Chunk,
+        samples: [f32x16<S>; 4],
+    ) -> [f32x16<S>; 4] {
+        if !any(simd, samples) {
+            return samples;
+        }
+        let rays = self.rays.expect("made where rays are shaded one by one");
+        let nothing = splat(simd, 0.0);
+        let (mut normals, mut weights) = ([[nothing; 4]; 8], [nothing; 8]);
+        for e in 0..N {
+            for right in 0..2 {
+                normals[2 * e + right] = rays.normals(simd, self.corner_normals(edges.at[e] + right, places, at.n));
+                weights[2 * e + right] = Self::corner_weight(simd, places, right, edges.weights[e]);
+            }
+        }
+        let to_eye = rays.to_eye(simd, at.x, at.y);
+        let shaded = if N == 4 {
+            rays.mean::<S, 8>(simd, &normals, &weights, &to_eye)
+        } else {
+            rays.mean::<S, 4>(simd, &normals, &weights, &to_eye)
+        };
+        lit(samples, shaded)
+    }
+
+    /// Classified voxels, each shaded for the texel's ray, and interpolated.
+    #[inline(always)]
+    pub(super) fn of_voxels_by_rays<S: Simd, const N: usize>(
+        &self,
+        simd: S,
+        table: &P::Table,
+        edges: &Edges<N>,
+        places: &Places<S>,
+        at: &Chunk,
+    ) -> [f32x16<S>; 4] {
+        let rays = self.rays.expect("made where rays are shaded one by one");
+        let to_eye = rays.to_eye(simd, at.x, at.y);
+        let one = [splat(simd, 1.0)];
+        let mut sum = [splat(simd, 0.0); 4];
+        for e in 0..N {
+            for right in 0..2 {
+                let from = edges.at[e] + right;
+                let mut rows = [f32x4::splat(simd, 0.0); LANES];
+                for i in 0..at.n {
+                    let voxel = self.voxels[from + places.first + places.cell[i] as usize];
+                    rows[i] = f32x4::load_array_ref(simd, self.row(table, voxel));
+                }
+                let samples = transpose(rows);
+                if !any(simd, samples) {
+                    continue;
+                }
+                let normals = [rays.normals(simd, self.corner_normals(from, places, at.n))];
+                let shaded = lit(samples, rays.mean::<S, 1>(simd, &normals, &one, &to_eye));
+                let weight = Self::corner_weight(simd, places, right, edges.weights[e]);
+                for c in 0..4 {
+                    sum[c] += shaded[c] * weight;
+                }
+            }
+        }
+        sum
+    }
+}
