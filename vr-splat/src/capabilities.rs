@@ -73,9 +73,6 @@ pub(crate) fn check(renderer: &Splatter, scene: &Scene) -> Result<SplatInput, Re
             Feature::Compositing,
             format!("compositing '{}' but of values in sheets parallel to the image", picks.name()),
         )),
-        Compositing::First { .. } if scene.shading.is_some() => {
-            Err(unsupported(Feature::Compositing, "compositing 'first' of a shaded surface"))
-        }
         _ => Ok(input),
     }
 }
@@ -96,9 +93,6 @@ fn check_shading(renderer: &Splatter, scene: &Scene, input: &SplatInput) -> Resu
             Feature::AnalyticGradients,
             "analytic gradients: those at the voxels are interpolated",
         ));
-    }
-    if grid.value_stats().has_missing() {
-        return Err(unsupported(Feature::MissingValues, "shading of a volume with missing voxels"));
     }
     if grid.dims().iter().product::<usize>() > i32::MAX as usize {
         return Err(unsupported(Feature::Size, "shading of 2³¹ voxels and more"));

@@ -1,6 +1,9 @@
 //! From what tiles gathered to the picture.
 
+use glam::DVec3;
 use vr_core::{Calibration, Compositing, Frame, Layer, Scene, View};
+
+use vr_kernels::vector::Operator;
 
 use crate::projection::SplatView;
 use crate::tile::{Drawn, State};
@@ -10,13 +13,17 @@ pub(crate) struct Picture<'a> {
     scene: &'a Scene,
     view: &'a View,
     calibration: Calibration,
+    operator: Operator,
+    /// Smallest of a pixel's subpixels; none back to front, where light does not know what will be before it.
+    depth: Option<Vec<f64>>,
     pixels: Vec<[f64; 4]>,
 }
 
 impl<'a> Picture<'a> {
-    pub(crate) fn new(scene: &'a Scene, view: &'a View, calibration: Calibration) -> Self {
+    pub(crate) fn new(scene: &'a Scene, view: &'a View, calibration: Calibration, operator: Operator) -> Self {
         let count = view.size[0] as usize * view.size[1] as usize;
-        Self { scene, view, calibration, pixels: vec![[0.0; 4]; count] }
+        let depth = (operator != Operator::Over).then(|| vec![f64::INFINITY; count]);
+        Self { scene, view, calibration, operator, depth, pixels: vec![[0.0; 4]; count] }
     }
 
     /// Adds a tile; tiles must come in an order that is always the same.
@@ -29,9 +36,18 @@ impl<'a> Picture<'a> {
                 let [r, g, b] = [0, 1, 2].map(|c| f64::from(state.light[c].0[lane]));
                 [r, g, b, 1.0 - f64::from(state.clear.0[lane])]
             } else {
-                self.picked(state, lane)
+                let rgba = self.picked(state, lane);
+                self.shaded(rgba, state, lane, [x, y], splat_view)
             };
-            let pixel = &mut self.pixels[(y / n) as usize * width + (x / n) as usize];
+            let at = (y / n) as usize * width + (x / n) as usize;
+            if let Some(depth) = &mut self.depth {
+                let seen = state.depth(self.operator, lane);
+                if seen < f64::INFINITY {
+                    let stretch = splat_view.stretch(splat_view.lateral(f64::from(x) + 0.5, f64::from(y) + 0.5));
+                    depth[at] = depth[at].min((seen + splat_view.base) * stretch);
+                }
+            }
+            let pixel = &mut self.pixels[at];
             for c in 0..4 {
                 pixel[c] += share * rgba[c];
             }
@@ -55,9 +71,26 @@ impl<'a> Picture<'a> {
         at.pixel()
     }
 
+    /// The surface that the first value is, in the light of the scene: by the gradient where the ray meets it.
+    fn shaded(&self, rgba: [f64; 4], state: &State, lane: usize, [x, y]: [u32; 2], seen: &SplatView) -> [f64; 4] {
+        let (Operator::First { .. }, Some(shading)) = (self.operator, self.scene.reflection()) else { return rgba };
+        let (Some(grid), true) = (self.scene.volume.grid(), rgba[3] > 0.0) else { return rgba };
+        let [x, y] = [x, y].map(|i| f64::from(i) + 0.5);
+        let ray = seen.rays.at(x, y);
+        let distance = (state.depth(self.operator, lane) + seen.base) * seen.stretch(seen.lateral(x, y));
+        let placement = grid.placement();
+        let index = placement.inverse_axes() * (ray.origin - placement.origin() + ray.direction * distance);
+        let last = DVec3::from_array(grid.dims().map(|n| (n - 1) as f64));
+        let gradient = DVec3::from(grid.central_differences_at(index.clamp(DVec3::ZERO, last).to_array()));
+        let world = placement.gradient_to_world(gradient);
+        shading.along(&self.scene.lights, ray.direction).shade(rgba, world.to_array())
+    }
+
     /// The whole picture, over the scene's surfaces.
     pub(crate) fn finish(self, layer: Option<&Layer>) -> Frame {
         let over = |(i, rgba): (usize, [f64; 4])| layer.map_or(rgba, |l| l.under(i, rgba)).map(|x| x as f32);
-        Frame::new(self.view.size, self.pixels.into_iter().enumerate().map(over).collect(), None)
+        let nearest = |(i, depth): (usize, f64)| layer.map_or(depth, |l| depth.min(l.depth(i))) as f32;
+        let depth = self.depth.map(|all| all.into_iter().enumerate().map(nearest).collect());
+        Frame::new(self.view.size, self.pixels.into_iter().enumerate().map(over).collect(), depth)
     }
 }

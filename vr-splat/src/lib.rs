@@ -12,6 +12,7 @@
 //!    how near it passes is exact, where the classic takes an affine approximation of the view about each splat.
 //! 3. **Footprints.** What a ray takes of a radial kernel between two depths comes from one table of partial line integrals, whatever the view. Products
 //!    of linear weights and of B-splines are integrated by rules that are exact for their pieces, or next to it.
+//!    Of scattered points with cubic splines or Gaussians, a ray's chord is looked up once, and each sheet costs a polynomial in its place on the chord.
 //! 4. **Tiles** of 32² pixels, in parallel: splats are binned, sorted by sheet (radix), and added to a ring of sheets, four by four pixels to a vector.
 //!    Blocks of 16 pixels that are opaque take no more. No bit depends on the number of threads.
 //!
@@ -55,13 +56,17 @@
 //! - `average`: ∫ Σ fₖ wₖ ds / ∫ Σ wₖ ds over what box, clip and opaque layer leave of the ray. A constant's mean is the constant, with any kernel; with bilinear
 //!   weights Σ wₖ = 1, and the mean is exact but for rounding, on chords of any length.
 //! - `maximum`, `minimum`: of values in the middle of sheets. `first`: colour at the threshold, or that of the sheet in which the ray enters.
+//! - Depth: of light, where opacity reaches a half, each sheet being homogeneous; of `first`, where the line between the values in the middle of two sheets
+//!   passes the threshold; of a maximum or minimum, the middle of its sheet; of a mean there is none (+∞), and back to front nothing is known.
+//! - A first hit is shaded by the grid's gradient where the ray meets it.
 //! - Missing voxels: vacuum is known to a sheet, and errors at its faces fall with the distance of sheets by the order 1; so with `average` there.
 //!
 //! # What cannot be drawn
 //! Answered by [`vr_core::RenderError::Unsupported`]: shading but of a grid's values by central differences (they come from the grid, at the places
-//! where sheets are classified), and not of gaps; opacity that follows the gradient; filters of the scene but the trilinear one (kernels are an option); the volume's own
+//! where sheets are classified; beside missing voxels they are those of the nearest values, as everywhere here); opacity that follows the gradient; filters of
+//! the scene but the trilinear one (kernels are an option); the volume's own
 //! sheets of points; another kernel for points than their own; maximum, minimum, average and first but of values in sheets parallel to the image; back to
-//! front but of the volume's own sheets under `over`. Frames have no depth. Options that have no effect beside the others (`sigma` of what is no Gaussian,
+//! front but of the volume's own sheets under `over`, where frames have no depth. Options that have no effect beside the others (`sigma` of what is no Gaussian,
 //! `slice-distance` where sheets are not parallel to the image, `termination` back to front) are errors where they are set.
 
 mod bins;

@@ -176,7 +176,8 @@ impl PreparedSplatter {
             }
             scene.transfer.step(calibration.value(f64::from(stored)), f64::from(length)).map(|x| x as f32)
         };
-        let shader = grid.and_then(|grid| Shader::new(scene, grid));
+        // What is picked is shaded once, where it is.
+        let shader = grid.filter(|_| !operator.picks()).and_then(|grid| Shader::new(scene, grid));
         // Everything that tiles share.
         let painter = Painter {
             view: splat_view,
@@ -228,7 +229,7 @@ impl PreparedSplatter {
             Buffers::Samples => Keys::Depth,
         };
         // Tiles, in groups of rows whose splats fit into the memory allowed.
-        let mut picture = Picture::new(scene, view, calibration);
+        let mut picture = Picture::new(scene, view, calibration, operator);
         let [across, down] = splat_view.size.map(|n| n.div_ceil(TILE));
         let rows = rows_at_once(source.count(), down);
         for first in (0..down).step_by(rows as usize) {

@@ -34,7 +34,11 @@ impl<'a> Shader<'a> {
             AnyGrid::I8(grid) => AnyField::I8(field(grid)),
             AnyGrid::U16(grid) => AnyField::U16(field(grid)),
             AnyGrid::I16(grid) => AnyField::I16(field(grid)),
-            AnyGrid::F32(grid) => AnyField::F32(field(grid)),
+            // Beside missing voxels gradients are those of the nearest values, as they are for the reference.
+            AnyGrid::F32(grid) => {
+                let samples = volume.filled_floats().unwrap_or(grid.samples());
+                AnyField::F32(Field::new(&Lattice { samples, dims: grid.dims() }))
+            }
         };
         Some(Self { shading: PacketShading::new(shading, &scene.lights, volume.placement(), [0, 1, 2]), field })
     }

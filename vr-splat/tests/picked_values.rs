@@ -122,3 +122,26 @@ fn behind_a_hole_the_first_value_is_the_one_there() {
     let seen = draw(&Splatter::default(), &scene, &through).frame.pixels()[40];
     assert!((seen[2] - 0.1).abs() < 1e-6 && seen[3] == 1.0, "{seen:?}: not the colour of the threshold");
 }
+
+#[test]
+fn a_first_hit_is_a_shaded_surface() {
+    let scene = phantom_scene::<f32>("hydrogen", 24, 1.0);
+    let (low, high) = scene.volume.value_range().unwrap();
+    let shading = Shading { specular: 0.4, ..Shading::default() };
+    let scene = Scene {
+        compositing: Compositing::First { threshold: low + 0.3 * (high - low) },
+        shading: Some(shading.into()),
+        lights: vec![Light::default(), Light { direction: Some(DVec3::new(1.0, 2.0, -0.5)), color: [0.3, 0.5, 0.9] }],
+        ..scene
+    };
+    for (azimuth, elevation, fov) in VIEWS {
+        let view = view(&scene, azimuth, elevation, fov, 32);
+        let plain = Scene { shading: None, ..scene.clone() };
+        let [coarse, fine] = [1.0, 0.125].map(|slice_spacing| {
+            let renderer = Splatter { slice_spacing, ..Splatter::default() };
+            [error(&renderer, &scene, &view).rmse, error(&renderer, &plain, &view).rmse]
+        });
+        println!("{azimuth}: {:.1e} (unshaded {:.1e}), {:.1e} ({:.1e})", coarse[0], coarse[1], fine[0], fine[1]);
+        assert!(fine[0] < 2e-3, "{azimuth}: {}", fine[0]);
+    }
+}

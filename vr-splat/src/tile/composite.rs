@@ -10,7 +10,7 @@ use super::Tile;
 use super::painter::{Classifier, Content};
 
 impl Tile<'_> {
-    /// Classifies what a sheet holds in a block, and takes it in.
+    /// Classifies what a sheet between two depths holds in a block, and takes it in.
     #[inline(always)]
     pub(super) fn composite<S: Simd>(
         &mut self,
@@ -18,9 +18,10 @@ impl Tile<'_> {
         number: usize,
         at: usize,
         length: f32x16<S>,
-        depth: f32x16<S>,
+        mut part: [f32x16<S>; 2],
     ) {
         let painter = self.painter;
+        let depth = (part[0] + part[1]) * 0.5;
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
         let operator = painter.operator;
         let light = match &painter.content {
@@ -31,7 +32,9 @@ impl Tile<'_> {
                     (length, weight)
                 } else {
                     // From the first front to the back of the sheet, and from its front to the last back: what they have in common.
-                    let both = weight + self.sheets[at + 2].load(simd);
+                    let to_front = self.sheets[at + 2].load(simd);
+                    let both = weight + to_front;
+                    part = [part[1] - weight, part[0] + to_front];
                     let covered = (both * self.blocks[number].stretch.load(simd) - length).max(zero);
                     (covered, covered)
                 };
@@ -47,7 +50,7 @@ impl Tile<'_> {
                     there &= Lanes(visible).load(simd).simd_gt(zero);
                 }
                 if operator.picks() {
-                    self.states[number].choose(simd, operator, value, length, [there, inside & !there]);
+                    self.states[number].choose(simd, operator, value, length, [there, inside & !there], part);
                     return;
                 }
                 if !there.any_true() {
@@ -96,7 +99,7 @@ impl Tile<'_> {
             }
             Content::Sums => return,
         };
-        self.states[number].blend(simd, operator, light);
+        self.states[number].blend(simd, operator, light, part);
         self.retire(simd, number);
     }
 

@@ -133,11 +133,11 @@ impl Tile<'_> {
             touched &= touched - 1;
             let at = self.place_of(slot, number);
             let block = &self.blocks[number];
-            let (length, depth) = if of_image {
+            let (length, part) = if of_image {
                 let (near, far) = (block.near.load(simd), block.far.load(simd));
                 let from = splat(simd, front).max(near).min(far);
                 let to = splat(simd, back).max(near).min(far);
-                ((to - from) * block.stretch.load(simd), (from + to) * 0.5)
+                ((to - from) * block.stretch.load(simd), [from, to])
             } else {
                 let mut depth = splat(simd, 0.0);
                 if let Some((axis, layers)) = painter.layers {
@@ -146,9 +146,9 @@ impl Tile<'_> {
                     depth = (splat(simd, layers[sheet as usize] as f32) - from) / pick(flat, splat(simd, 1e-12), step);
                 }
                 // Weights of a sheet sum to its length along the ray.
-                (if channels == 2 { self.sheets[at + 1].load(simd) } else { splat(simd, 1.0) }, depth)
+                (if channels == 2 { self.sheets[at + 1].load(simd) } else { splat(simd, 1.0) }, [depth; 2])
             };
-            self.composite(simd, number, at, length, depth);
+            self.composite(simd, number, at, length, part);
             self.sheets[at..at + channels].fill(Lanes::ZERO);
         }
     }

@@ -56,7 +56,9 @@ impl Tile<'_> {
                         let tau = weight * kappa;
                         let alpha = opacity_of_depth(simd, tau.max(zero));
                         let share = pick(tau.simd_lt(zero), zero, source_weight(simd, tau, alpha)) * weight;
-                        self.states[number].blend(simd, painter.operator, [share * r, share * g, share * b, alpha]);
+                        let depth = splat(simd, at.place[2]);
+                        let light = [share * r, share * g, share * b, alpha];
+                        self.states[number].blend(simd, painter.operator, light, [depth; 2]);
                         self.retire(simd, number);
                     }
                 }
