@@ -73,7 +73,36 @@ impl<S: Simd> Sums<S> {
 
     /// Adds the light and opacity of one step, which begins at `begin` and is so long, to the live rays.
     #[inline(always)]
-    pub fn add(&mut self, simd: S, live: mask32x16<S>, [begin, length]: [f32x16<S>; 2], light: [f32x16<S>; 4]) {
+    pub fn add(&mut self, simd: S, live: mask32x16<S>, step: [f32x16<S>; 2], light: [f32x16<S>; 4]) {
+        self.add_part(simd, live, step, light, light[3]);
+    }
+
+    /// Adds the light and opacity of one step, as [`add`](Self::add) does, up to an opacity `level`: of the step that reaches it, only the part before
+    /// counts. Returns the live rays that reach it; nothing must be added behind it.
+    #[inline(always)]
+    pub fn add_up_to(
+        &mut self,
+        simd: S,
+        level: f32,
+        live: mask32x16<S>,
+        step: [f32x16<S>; 2],
+        [r, g, b, alpha]: [f32x16<S>; 4],
+    ) -> mask32x16<S> {
+        let (share, reached) = share_to_level(simd, self.clear(simd), alpha, level);
+        self.add_part(simd, live, step, [r * share, g * share, b * share, alpha * share], alpha);
+        live & reached
+    }
+
+    /// Adds light of one step, which may be that of a part of it only; its opacity as a whole tells where in it a half lies.
+    #[inline(always)]
+    fn add_part(
+        &mut self,
+        simd: S,
+        live: mask32x16<S>,
+        [begin, length]: [f32x16<S>; 2],
+        light: [f32x16<S>; 4],
+        whole: f32x16<S>,
+    ) {
         let zero = splat(simd, 0.0);
         let before = self.opacity();
         let clear = pick(live, splat(simd, 1.0) - before, zero);
@@ -89,7 +118,7 @@ impl<S: Simd> Sums<S> {
             self.half[0] = pick(crossing, begin, self.half[0]);
             self.half[1] = pick(crossing, length, self.half[1]);
             self.half[2] = pick(crossing, before, self.half[2]);
-            self.half[3] = pick(crossing, light[3], self.half[3]);
+            self.half[3] = pick(crossing, whole, self.half[3]);
         }
     }
 

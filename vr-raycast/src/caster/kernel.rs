@@ -24,9 +24,9 @@ pub enum Precision {
 
 /// Instructions that the vector engine may use.
 ///
-/// It draws `over` of the trilinear filter, front to back, in f32 with a table, by the rules `midpoint` and `left` under uniform steps and
-/// by `midpoint` under local ones, unshaded or shaded by central differences, where no sample is missing and opacity does not follow the
-/// gradient. Everything else goes through the plain engine. Under uniform steps it leaps by cubes of blocks of its own; with
+/// It draws `over` and `accumulate` of the trilinear filter, front to back, in f32 with a table, by the rules `midpoint`, `left`, `linear` and `quadratic`
+/// under uniform steps and by `midpoint` under local ones, unshaded or shaded by central differences; samples may be missing, and opacity may follow the
+/// gradient, by `midpoint` and `left`. It picks values, too. Everything else goes through the plain engine. Under uniform steps it leaps by cubes of blocks of its own; with
 /// [`EmptySpace::None`](super::EmptySpace::None), not at all. A structure that is asked for by name is the plain engine's.
 ///
 /// Pictures do not depend on the instructions, bit for bit; from the plain engine's they differ by rounding.

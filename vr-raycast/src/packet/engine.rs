@@ -13,13 +13,14 @@ use vr_kernels::ranges::LevelRanges;
 use vr_kernels::ranges::RangeBlocks;
 use vr_kernels::tables::BakedTransfer;
 use vr_kernels::vector::{
-    self, Field, LANES, Lanes, OpticsTable, PacketLights, PacketShading, Pairs, Rows, Stage, Vectorized,
+    self, Field, LANES, Lanes, OpticsTable, PacketLights, PacketShading, Pairs, Rows, SegmentTable, Stage, Vectorized,
 };
 
 use super::leap::Distances;
 use super::level;
 use super::local::{LocalSteps, by_byte};
 use super::march::{LatticeSteps, MarchSteps, Medium, march};
+use super::segments::SegmentSteps;
 use super::setup::{FrameSetup, Packet};
 use crate::caster::{CompositingOrder, EmptySpace, RayCaster, Rule, Step, TransferLookup, Traversal};
 use crate::leap::{Visibility, VisibleBlocks};
@@ -44,8 +45,12 @@ pub(crate) struct PacketEngine {
     step: f64,
     /// Place of a step's sample, as a fraction of the step.
     offset: f64,
+    /// True if normals are followed over a step: its middle stands for it.
+    follows_normals: bool,
     /// Amount at which a ray ends: no more than this could be added to any component.
     negligible: f64,
+    /// Opacity at which rays are cut; 1 where they are not.
+    cut: f64,
     max_radiance: MaxRadiance,
     shading: Option<PacketShading>,
 }
@@ -66,14 +71,26 @@ pub(crate) enum PacketSteps {
         /// Step by the byte of the map; see [`by_byte`].
         by_byte: Box<[f32; 256]>,
     },
+    /// Steps of one length along which the value changes.
+    Segments {
+        table: SegmentTable,
+        /// Distances to the nearest visible blocks; `None` if nothing is leaped over.
+        distances: Option<Distances>,
+        /// True if the value is a parabola, and not a line.
+        is_parabola: bool,
+    },
 }
 
 impl PacketSteps {
     /// Returns the blocks in which something may be visible.
     fn visible(&self, dims: [usize; 3]) -> VisibleBlocks {
         match self {
-            Self::Lattice { distances: Some(distances), .. } => distances.visible(dims),
-            Self::Lattice { distances: None, .. } => VisibleBlocks::from_fn(dims, 2 * EDGE, |_| true),
+            Self::Lattice { distances: Some(distances), .. } | Self::Segments { distances: Some(distances), .. } => {
+                distances.visible(dims)
+            }
+            Self::Lattice { distances: None, .. } | Self::Segments { distances: None, .. } => {
+                VisibleBlocks::from_fn(dims, 2 * EDGE, |_| true)
+            }
             Self::Local { map, .. } => map.visible(dims),
         }
     }
@@ -96,8 +113,13 @@ impl PacketEngine {
         let level = level::of(caster.vector)?;
         let CompositingOrder::FrontToBack { termination } = caster.order else { return None };
         // Refuse what the kernels are not made for.
-        let common = scene.compositing == Compositing::Over
-            && shadable(scene)
+        // A cut sum is ended by its cut alone.
+        let (cut, negligible) = match scene.compositing {
+            Compositing::Over => (1.0, 1.0 - termination),
+            Compositing::Accumulate { level } => (level, 0.0),
+            _ => return None,
+        };
+        let common = shadable(scene)
             && !scene.transfer.has_rows()
             && caster.traversal == Traversal::Samples
             && caster.transfer_lookup == TransferLookup::Table;
@@ -111,26 +133,38 @@ impl PacketEngine {
         }
         let offset = match caster.rule {
             Rule::Midpoint => 0.5,
-            Rule::Left => 0.0,
-            Rule::Linear | Rule::Quadratic | Rule::Exact => return None,
+            // Samples lie at the begin of a step, and some further on.
+            Rule::Left | Rule::Linear | Rule::Quadratic => 0.0,
+            Rule::Exact => return None,
         };
+        let shading = tables.shader.as_ref().and_then(|s| s.for_packets(scene.reflection().is_some()));
+        let leaps = caster.empty_space != EmptySpace::None;
         // Choose the kind of steps, and the table that it looks light up in.
         let (table, steps) = match (caster.step, &tables.step_map) {
+            (Step::Uniform(_), _) if matches!(caster.rule, Rule::Linear | Rule::Quadratic) => {
+                // Steps that end in holes, and opacity by the gradient of steps of many values, are the plain engine's.
+                if volume.vacuum_cells().is_some() || shading.as_ref().is_some_and(|s| s.modulation.is_some()) {
+                    return None;
+                }
+                let table = tables.classifier.profile.as_ref()?.table.as_ref()?;
+                let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), None, Some(table));
+                let distances = leaps.then(|| Self::distances_of(volume, &visibility, EDGE)).flatten();
+                let is_parabola = caster.rule == Rule::Quadratic;
+                let steps = PacketSteps::Segments { table: SegmentTable::new(table), distances, is_parabola };
+                (Arc::new(baked(scene, volume, step)?), steps)
+            }
             (Step::Uniform(_), _) => {
                 let table = Arc::clone(&tables.classifier.table.as_ref()?.0);
-                let leaps = caster.empty_space != EmptySpace::None;
                 let distances = leaps.then(|| Self::distances(volume, scene, &table, EDGE)).flatten();
                 (Arc::clone(&table), PacketSteps::Lattice { table, distances })
             }
-            // Steps that end at the faces of holes are the plain engine's.
-            (Step::Local { .. }, Some(map)) if caster.rule == Rule::Midpoint && volume.vacuum_cells().is_none() => {
+            (Step::Local { .. }, Some(map)) if caster.rule == Rule::Midpoint => {
                 let table = Arc::new(baked(scene, volume, step)?);
                 (table, PacketSteps::Local { map: Arc::clone(map), by_byte: Box::new(by_byte(map, step)) })
             }
             _ => return None,
         };
-        let hull =
-            (caster.empty_space != EmptySpace::None).then(|| Hull::new(volume.dims(), steps.visible(volume.dims())));
+        let hull = leaps.then(|| Hull::new(volume.dims(), steps.visible(volume.dims())));
         Some(Self {
             volume: Arc::clone(volume),
             level,
@@ -139,9 +173,11 @@ impl PacketEngine {
             optics: OpticsTable::new(&table, &scene.transfer, volume.calibration(), step),
             step,
             offset,
-            negligible: 1.0 - termination,
+            follows_normals: caster.rule != Rule::Left,
+            negligible,
+            cut,
             max_radiance: scene.max_radiance(),
-            shading: tables.shader.as_ref().and_then(|s| s.for_packets(scene.reflection().is_some())),
+            shading,
         })
     }
 
@@ -153,10 +189,14 @@ impl PacketEngine {
         edge: usize,
     ) -> Option<Distances> {
         let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), Some(table), None);
+        Self::distances_of(volume, &visibility, edge)
+    }
+
+    fn distances_of(volume: &GridVolume, visibility: &Visibility<f32>, edge: usize) -> Option<Distances> {
         if edge == LevelRanges::EDGE && LevelRanges::are_exact(volume) {
-            return Distances::of_levels(&LevelRanges::of_volume(volume), &visibility);
+            return Distances::of_levels(&LevelRanges::of_volume(volume), visibility);
         }
-        Distances::new(&RangeBlocks::of_volume(volume, edge), &visibility)
+        Distances::new(&RangeBlocks::of_volume(volume, edge), visibility)
     }
 }
 
@@ -298,12 +338,19 @@ impl PacketFrame<'_> {
                 PacketSteps::Lattice { table, distances } => {
                     MarchSteps::Lattice(LatticeSteps { rows: Rows::new(table), distances: distances.as_ref() })
                 }
+                PacketSteps::Segments { table, distances, is_parabola } => MarchSteps::Segments(SegmentSteps {
+                    table,
+                    distances: distances.as_ref(),
+                    is_parabola: *is_parabola,
+                    step: engine.step as f32,
+                }),
                 PacketSteps::Local { map, by_byte } => MarchSteps::Local(LocalSteps::new(map, by_byte)),
             },
             optics: &engine.optics,
             shading: engine.shading.as_ref(),
-            follows_normals: engine.offset == 0.5,
+            follows_normals: engine.follows_normals,
             negligible: engine.negligible as f32,
+            level: engine.cut as f32,
         }
     }
 
@@ -316,7 +363,7 @@ impl PacketFrame<'_> {
             layer: self.layer,
             step: self.engine.step,
             offset: match &self.engine.steps {
-                PacketSteps::Lattice { .. } => self.engine.offset,
+                PacketSteps::Lattice { .. } | PacketSteps::Segments { .. } => self.engine.offset,
                 // Positions are those of any distance, not of samples.
                 PacketSteps::Local { .. } => 0.0,
             },

@@ -132,6 +132,22 @@ impl<S: Simd> Leaper<S> {
         steps.max(splat(simd, 0.0))
     }
 
+    /// Returns the steps from a position to the next face of a cell.
+    #[inline(always)]
+    pub(crate) fn to_face(&self, position: [f32x16<S>; 3], cells: &Cells<S>) -> f32x16<S> {
+        let mut steps = self.ahead(0, position, cells);
+        for a in 1..3 {
+            steps = steps.min(self.ahead(a, position, cells));
+        }
+        steps
+    }
+
+    #[inline(always)]
+    fn ahead(&self, a: usize, position: [f32x16<S>; 3], cells: &Cells<S>) -> f32x16<S> {
+        let cell: f32x16<S> = cells.cell[a].to_float();
+        (cell + self.face[a] + self.sign[a] - position[a]) * self.per_index[a]
+    }
+
     /// Returns the number of whole steps, at least one, to the first that can be beyond that box.
     #[inline(always)]
     pub(crate) fn steps(&self, simd: S, position: [f32x16<S>; 3], cells: &Cells<S>, distance: i32x16<S>) -> f32x16<S> {

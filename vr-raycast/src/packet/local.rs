@@ -1,9 +1,10 @@
 //! March of packets in steps of the length that each place asks for.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16};
+use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_kernels::vector::{Cells, LANES, Lanes, PacketLights, Pairs, Stage, Sums, pick, splat, step_light};
 
+use super::gaps::there;
 use super::leap::{Leaper, block_index};
 use super::march::{Medium, PacketResult, Path, finish, shaded};
 use super::setup::Packet;
@@ -16,6 +17,8 @@ pub(crate) struct LocalSteps<'a> {
     blocks: [usize; 3],
     /// Step to take, by the byte of the map; for clear blocks −1 − n, where n is the number of clear blocks around in each direction.
     by_byte: &'a [f32; 256],
+    /// Blocks in which steps end at the faces of cells, for holes; `None` where there are no holes.
+    cuts: Option<&'a [bool]>,
 }
 
 /// Returns the table in which [`LocalSteps`] looks bytes up.
@@ -34,7 +37,7 @@ const REST: f32 = 1e-5;
 
 impl<'a> LocalSteps<'a> {
     pub(crate) fn new(map: &'a StepMap, by_byte: &'a [f32; 256]) -> Self {
-        Self { bytes: map.bytes(), blocks: map.blocks(), by_byte }
+        Self { bytes: map.bytes(), blocks: map.blocks(), by_byte, cuts: map.cut_blocks() }
     }
 
     /// Returns the entries of `by_byte` for the blocks of sixteen cells.
@@ -47,6 +50,44 @@ impl<'a> LocalSteps<'a> {
         }
         lanes.load(simd)
     }
+
+    /// Returns steps from positions that end at the next face of a cell where blocks ask for that.
+    #[inline(always)]
+    fn cut<S: Simd>(
+        &self,
+        simd: S,
+        cuts: &[bool],
+        leaper: &Leaper<S>,
+        position: [f32x16<S>; 3],
+        cells: &Cells<S>,
+        length: f32x16<S>,
+    ) -> f32x16<S> {
+        let index = block_index(cells, StepMap::EDGE.trailing_zeros(), self.blocks);
+        let mut longest = Lanes::new(leaper.to_face(position, cells).max(splat(simd, 0.0)) + NUDGE);
+        for i in 0..LANES {
+            if !cuts[index[i] as u32 as usize] {
+                longest.0[i] = f32::INFINITY;
+            }
+        }
+        length.min(longest.load(simd))
+    }
+}
+
+/// Returns the light of what exists.
+#[inline(always)]
+fn of_field<S: Simd, T: Pairs>(
+    simd: S,
+    medium: &Medium<'_, T>,
+    cells: &Cells<S>,
+    live: mask32x16<S>,
+    light: [f32x16<S>; 4],
+) -> [f32x16<S>; 4] {
+    if medium.vacuum.is_none() {
+        return light;
+    }
+    let (exists, zero) = (there(simd, medium.vacuum, cells, live), splat(simd, 0.0));
+    let [r, g, b, a] = light;
+    [pick(exists, r, zero), pick(exists, g, zero), pick(exists, b, zero), pick(exists, a, zero)]
 }
 
 /// Walks each ray on its own: over clear blocks to their end, and through the rest in steps of the length that the block of their
@@ -99,14 +140,21 @@ pub(crate) fn local<S: Simd, T: Pairs>(
         }
         samples += bits.count_ones();
         let [now, next] = stages;
+        if let Some(cuts) = lengths.cuts {
+            let (position, here) = ray.cells(simd, medium, at + NUDGE);
+            length = lengths.cut(simd, cuts, &leaper, position, &here, length);
+        }
         // What is not live may have any length.
         length = length.max(zero).min(stop - at).max(zero);
         let (_, cells) = ray.cells(simd, medium, at + length * 0.5);
         medium.field.fetch(simd, &cells, now);
         // The next step of those that go on in a visible block: while the first waits for its samples, those of the second are fetched.
         let then = pick(live, at + length, at);
-        let (_, ahead) = ray.cells(simd, medium, then + NUDGE);
-        let length_then = lengths.at(simd, &ahead);
+        let (position, ahead) = ray.cells(simd, medium, then + NUDGE);
+        let mut length_then = lengths.at(simd, &ahead);
+        if let Some(cuts) = lengths.cuts {
+            length_then = lengths.cut(simd, cuts, &leaper, position, &ahead, length_then);
+        }
         let visible = live & length_then.simd_ge(zero);
         let length_then = length_then.max(zero).min(stop - then).max(zero);
         let (_, cells_then) = ray.cells(simd, medium, then + length_then * 0.5);
@@ -116,13 +164,23 @@ pub(crate) fn local<S: Simd, T: Pairs>(
         let optics_then = rows.at(simd, medium.field.value(simd, &cells_then, next));
         let light = step_light(simd, optics, length, medium.optics.emits);
         let light = shaded(simd, medium, lights, live, &ray, (&cells, length), light, now);
+        let light = of_field(simd, medium, &cells, live, light);
         let light_then = step_light(simd, optics_then, length_then, medium.optics.emits);
         let light_then = shaded(simd, medium, lights, live, &ray, (&cells_then, length_then), light_then, next);
-        sums.add(simd, live, [at, length], light);
+        let light_then = of_field(simd, medium, &cells_then, live, light_then);
+        if medium.level < 1.0 {
+            stop = pick(sums.add_up_to(simd, medium.level, live, [at, length], light), never, stop);
+        } else {
+            sums.add(simd, live, [at, length], light);
+        }
         stop = pick((sums.clear(simd) * max_light).simd_le(negligible), never, stop);
         live = visible & then.simd_lt(stop - REST);
         samples += live.to_bitmask().count_ones();
-        sums.add(simd, live, [then, length_then], light_then);
+        if medium.level < 1.0 {
+            stop = pick(sums.add_up_to(simd, medium.level, live, [then, length_then], light_then), never, stop);
+        } else {
+            sums.add(simd, live, [then, length_then], light_then);
+        }
         stop = pick((sums.clear(simd) * max_light).simd_le(negligible), never, stop);
         at = pick(live, then + length_then, then);
     }

@@ -11,6 +11,7 @@ use vr_kernels::vector::{
 use super::gaps::there;
 use super::leap::{Distances, Leaper};
 use super::local::{LocalSteps, local};
+use super::segments::{SegmentSteps, segments};
 use super::setup::Packet;
 
 /// Volume that all packets of a frame march through.
@@ -29,6 +30,8 @@ pub(crate) struct Medium<'a, T> {
     pub(crate) follows_normals: bool,
     /// Amount at which a ray ends: no more than this could be added to any component.
     pub(crate) negligible: f32,
+    /// Opacity at which rays are cut; 1 where they are not.
+    pub(crate) level: f32,
 }
 
 /// Steps of the rays.
@@ -38,6 +41,8 @@ pub(crate) enum MarchSteps<'a> {
     Lattice(LatticeSteps<'a>),
     /// Steps of the length that each place asks for.
     Local(LocalSteps<'a>),
+    /// Steps of one length along which the value changes.
+    Segments(SegmentSteps<'a>),
 }
 
 /// Steps of one length.
@@ -80,6 +85,10 @@ pub(crate) fn march<S: Simd, T: Pairs>(
         MarchSteps::Local(steps) => simd.vectorize(
             #[inline(always)]
             || local(simd, medium, steps, packet, max_light, lights, stages),
+        ),
+        MarchSteps::Segments(steps) => simd.vectorize(
+            #[inline(always)]
+            || segments(simd, medium, steps, packet, max_light, lights, stages),
         ),
     }
 }
@@ -167,7 +176,11 @@ fn lattice<S: Simd, T: Pairs>(
             let live = there(simd, medium.vacuum, &cells, live);
             let light = step_light(simd, medium.optics.rows().at(simd, value), ratio, medium.optics.emits);
             let light = shaded(simd, medium, lights, live, &ray, (&cells, ratio), light, now);
-            sums.add(simd, live, [end, ratio], light);
+            if medium.level < 1.0 {
+                sums.add_up_to(simd, medium.level, live, [end, ratio], light);
+            } else {
+                sums.add(simd, live, [end, ratio], light);
+            }
             break;
         }
         // Two steps at once: while the first waits for its samples, those of the second are fetched.
@@ -191,11 +204,20 @@ fn lattice<S: Simd, T: Pairs>(
                 light_then[c] = pick(exists_then, light_then[c], zero);
             }
         }
-        sums.add(simd, live, [at, one], light);
+        // Two calls in the place of one with a share: that would take a register from rays that are not cut.
+        if medium.level < 1.0 {
+            end = pick(sums.add_up_to(simd, medium.level, live, [at, one], light), never, end);
+        } else {
+            sums.add(simd, live, [at, one], light);
+        }
         end = pick((sums.clear(simd) * max_light).simd_le(negligible), never, end);
         live = then.simd_lt(end);
         samples += live.to_bitmask().count_ones();
-        sums.add(simd, live, [then, one], light_then);
+        if medium.level < 1.0 {
+            end = pick(sums.add_up_to(simd, medium.level, live, [then, one], light_then), never, end);
+        } else {
+            sums.add(simd, live, [then, one], light_then);
+        }
         end = pick((sums.clear(simd) * max_light).simd_le(negligible), never, end);
         at = then + one;
     }

@@ -1,7 +1,7 @@
 //! The vector engine: packets of sixteen rays, one a lane, on whatever vectors the machine has.
 //!
 //! A packet is set up in f64 ([`setup`]) and marched in f32, each ray at its own pace: in steps of one length, over what is clear by whole
-//! steps of its lattice ([`march`]), or in steps of the length that each place asks for ([`local`]). A ray does not see its company: no bit
+//! steps of its lattice ([`march`]; [`segments`] where a rule integrates over all values of a step), or in steps of the length that each place asks for ([`local`]). A ray does not see its company: no bit
 //! of it depends on which others are in the packet. Nor does any on the instructions ([`level`]): nothing is fused, and logarithm and
 //! exponential are our own ([`vr_kernels::vector`]).
 //!
@@ -27,7 +27,7 @@
 //!   0 to 9 %.
 //!
 //! And in the engine: tables of 1024 entries instead of 4096, 1 %; rays that leap until all of a packet, or three quarters, see something,
-//! instead of half: 0.95. Rules that pre-integrate and gradients of the filter itself are left to the plain engine.
+//! instead of half: 0.95. Gradients of the filter itself are left to the plain engine.
 
 #[cfg(test)]
 mod compared;
@@ -41,6 +41,7 @@ mod patches;
 mod picks;
 #[cfg(test)]
 mod random_scenes;
+mod segments;
 mod setup;
 
 pub(crate) use engine::{PacketEngine, PacketFrame};

@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use vr_core::{
-    Calibration, Camera, Clip, ControlPoint, OpacityRule, Placement, Plane, Scene, TransferFunction, UniformGrid, View,
-    Volume,
+    Calibration, Camera, Clip, Compositing, ControlPoint, OpacityRule, Placement, Plane, Scene, TransferFunction,
+    UniformGrid, View, Volume,
 };
 use vr_physics::check::FixedLayer;
 
@@ -118,6 +118,11 @@ fn scene_of(
         return (FixedLayer::new(&view, pixel).among(&scene), view);
     }
     (scene, view)
+}
+
+/// Emission and absorption, as a whole or up to a level.
+pub(super) fn sums() -> impl Strategy<Value = Compositing> {
+    prop_oneof![Just(Compositing::Over), (0.05f64..1.0).prop_map(|level| Compositing::Accumulate { level })]
 }
 
 /// Scenes under transfer functions of at most this opacity, and views of them.

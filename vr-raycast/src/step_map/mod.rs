@@ -142,6 +142,11 @@ impl StepMap {
         VisibleBlocks::of_halves(dims, Self::EDGE, &self.bytes, CLEAR)
     }
 
+    /// Returns the blocks in which steps end at the faces of cells, for holes; `None` where there are no holes.
+    pub(crate) fn cut_blocks(&self) -> Option<&[bool]> {
+        if let Cuts::Holes(cut) = &self.cuts { Some(cut) } else { None }
+    }
+
     /// Returns the movement of a ray in a block.
     pub(crate) fn at(&self, [x, y, z]: [usize; 3]) -> BlockStep {
         let block = (z * self.blocks[1] + y) * self.blocks[0] + x;

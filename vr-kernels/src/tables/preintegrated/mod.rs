@@ -223,6 +223,17 @@ impl<R: Real> PreIntegrated<R> {
         self.resolves
     }
 
+    /// Ranges of values at which α is 1, in entries.
+    pub(crate) fn opaque_ranges(&self) -> impl Iterator<Item = [R; 2]> + '_ {
+        let lone = self.lone_walls.iter().map(|(at, _)| [*at, *at]);
+        self.walls.iter().map(|wall| [wall.from, wall.to]).chain(lone)
+    }
+
+    /// The largest colour, channel by channel; absent where emission is given on its own.
+    pub(crate) fn brightest(&self) -> Option<[R; 3]> {
+        self.brightest
+    }
+
     /// True if α is 1, and κ infinite, at one value or more.
     pub fn has_walls(&self) -> bool {
         !self.walls.is_empty() || !self.lone_walls.is_empty()

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use vr_core::{Camera, Control, ControlPoint, Light, OpacityRule, Placement, Shading, TransferFunction};
 
 use super::super::compared::{bits, plain, row_by_row, same};
-use super::super::random_scenes::{grid, scenes};
+use super::super::random_scenes::{grid, scenes, sums};
 use super::*;
 use crate::render_tables::TablesByPrecision;
 
@@ -31,8 +31,18 @@ fn engine(caster: &RayCaster, scene: &Scene) -> Option<PacketEngine> {
 }
 
 fn set_edge(engine: &mut PacketEngine, scene: &Scene, edge: Option<usize>) {
-    let PacketSteps::Lattice { table, distances } = &mut engine.steps else { panic!("uniform steps leap over blocks") };
-    *distances = edge.and_then(|edge| PacketEngine::distances(scene.volume.grid().unwrap(), scene, table, edge));
+    let volume = scene.volume.grid().unwrap();
+    match &mut engine.steps {
+        PacketSteps::Lattice { table, distances } => {
+            *distances = edge.and_then(|edge| PacketEngine::distances(volume, scene, table, edge));
+        }
+        PacketSteps::Segments { table, distances, .. } => {
+            let visibility =
+                Visibility::of_light(&scene.transfer, volume.calibration(), None, Some(table.pre_integrated()));
+            *distances = edge.and_then(|edge| PacketEngine::distances_of(volume, &visibility, edge));
+        }
+        PacketSteps::Local { .. } => panic!("uniform steps leap over blocks"),
+    }
 }
 
 fn trace(
@@ -65,7 +75,8 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 192, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn draws_what_the_plain_engine_draws((scene, view) in scenes(0.9), step in 0.1f64..2.5, left in any::<bool>()) {
+    fn draws_what_the_plain_engine_draws((scene, view) in scenes(0.9), step in 0.1f64..2.5, left in any::<bool>(), compositing in sums()) {
+        let scene = Scene { compositing, ..scene };
         let rule = if left { Rule::Left } else { Rule::Midpoint };
         let caster = RayCaster { step: Step::Uniform(step), rule, order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) };
         let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
@@ -77,7 +88,8 @@ proptest! {
     }
 
     #[test]
-    fn walks_as_the_plain_engine_walks((scene, view) in scenes(0.9), error in 1e-4f64..1e-2) {
+    fn walks_as_the_plain_engine_walks((scene, view) in scenes(0.9), error in 1e-4f64..1e-2, compositing in sums()) {
+        let scene = Scene { compositing, ..scene };
         let caster = RayCaster { step: Step::Local { error }, order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) };
         let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
         let (values, counts) = trace(&engine, &scene, &view, &row_by_row(&view), None);
@@ -97,7 +109,8 @@ proptest! {
     }
 
     #[test]
-    fn shades_as_the_plain_engine_shades((scene, view) in scenes(0.9), step in 0.1f64..2.5, power in 0.0f64..40.0, side in any::<bool>(), factors in prop::collection::vec((0.0f64..2.0, 0.0f64..3.0), 0..4)) {
+    fn shades_as_the_plain_engine_shades((scene, view) in scenes(0.9), step in 0.1f64..2.5, power in 0.0f64..40.0, side in any::<bool>(), factors in prop::collection::vec((0.0f64..2.0, 0.0f64..3.0), 0..4), compositing in sums()) {
+        let scene = Scene { compositing, ..scene };
         let mut gradient_opacity: Vec<(f64, f64)> = factors;
         gradient_opacity.sort_by(|a, b| a.0.total_cmp(&b.0));
         let direction = side.then(|| DVec3::new(0.3, -0.8, 0.5));
@@ -110,9 +123,26 @@ proptest! {
         same(&values, &plain, TWO_SHADINGS)?;
     }
 
+    /// By rules that integrate over all values of a step.
     #[test]
-    fn no_bit_depends_on_leaping_level_company_or_start((scene, view) in scenes(1.0), step in 0.1f64..2.5, edge in 0u32..4) {
-        let caster = RayCaster { step: Step::Uniform(step), ..RayCaster::uniform(0.2) };
+    fn integrates_what_the_plain_engine_integrates((scene, view) in scenes(0.9), step in 0.1f64..2.5, quadratic in any::<bool>(), is_shaded in any::<bool>(), compositing in sums()) {
+        let shading = is_shaded.then(|| Arc::new(Shading::default()));
+        let scene = Scene { compositing, shading, ..scene };
+        // A parabola may leave the values of its samples, and of the blocks that it goes through: which blocks are leaped over would show.
+        let (rule, empty_space) = if quadratic { (Rule::Quadratic, EmptySpace::None) } else { (Rule::Linear, EmptySpace::default()) };
+        let caster = RayCaster { rule, empty_space, order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(step) };
+        let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
+        let plain = plain(&caster, &scene, &view);
+        let (values, counts) = trace(&engine, &scene, &view, &row_by_row(&view), None);
+        prop_assert!(counts.rays <= plain.stats.counts.rays);
+        same(&values, &plain, if is_shaded { TWO_SHADINGS } else { TWO_ENGINES })?;
+    }
+
+    #[test]
+    fn no_bit_depends_on_leaping_level_company_or_start((scene, view) in scenes(1.0), step in 0.1f64..2.5, edge in 0u32..4, linear in any::<bool>(), compositing in sums()) {
+        let scene = Scene { compositing, ..scene };
+        let rule = if linear { Rule::Linear } else { Rule::Midpoint };
+        let caster = RayCaster { step: Step::Uniform(step), rule, ..RayCaster::uniform(0.2) };
         let Some(mut engine) = engine(&caster, &scene) else { return Ok(()) };
         set_edge(&mut engine, &scene, None);
         let hull = engine.hull.take();

@@ -40,6 +40,8 @@ pub(crate) struct PatchEngine {
     unit: f64,
     /// Amount at which a ray ends: no more than this could be added to any component.
     negligible: f64,
+    /// Opacity at which rays are cut; 1 where they are not.
+    cut: f64,
     max_radiance: MaxRadiance,
     shading: Option<PacketShading>,
 }
@@ -86,8 +88,13 @@ impl PatchEngine {
     pub(crate) fn new(caster: &RayCaster, scene: &Scene, source: &Source, lengths: Lengths) -> Option<Self> {
         let level = level::of(caster.vector)?;
         let CompositingOrder::FrontToBack { termination } = caster.order else { return None };
-        let plain = scene.compositing == Compositing::Over
-            && scene.shading.as_ref().is_none_or(|shading| shading.gradient_opacity.is_empty())
+        // A cut sum is ended by its cut alone.
+        let (cut, negligible) = match scene.compositing {
+            Compositing::Over => (1.0, 1.0 - termination),
+            Compositing::Accumulate { level } => (level, 0.0),
+            _ => return None,
+        };
+        let plain = scene.shading.as_ref().is_none_or(|shading| shading.gradient_opacity.is_empty())
             && !scene.transfer.has_rows()
             && caster.rule == Rule::Midpoint
             && caster.transfer_lookup == TransferLookup::Table
@@ -121,7 +128,8 @@ impl PatchEngine {
             level,
             optics: OpticsTable::new(&table, &scene.transfer, calibration, unit),
             unit,
-            negligible: 1.0 - termination,
+            negligible,
+            cut,
             max_radiance: scene.max_radiance(),
             shading,
         })
@@ -154,6 +162,7 @@ impl<'a> PatchFrame<'a> {
             optics: &self.engine.optics,
             shading: self.engine.shading.as_ref(),
             negligible: self.engine.negligible as f32,
+            level: self.engine.cut as f32,
             unit: self.engine.unit,
         }
     }

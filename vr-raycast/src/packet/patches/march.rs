@@ -86,6 +86,8 @@ pub(crate) struct PatchMedium<'a, P> {
     pub(crate) shading: Option<&'a PacketShading>,
     /// Amount at which a ray ends: no more than this could be added to any component.
     pub(crate) negligible: f32,
+    /// Opacity at which rays are cut; 1 where they are not.
+    pub(crate) level: f32,
     /// World length that lengths of steps are counted in.
     pub(crate) unit: f64,
 }
@@ -180,12 +182,23 @@ fn through<S: Simd, P: Patches, I: Iterator<Item = Part>>(
         let light_then = shaded(simd, medium, lights, (within, steps), (twice, then, &place_then), light_then, around);
         // Composite them front to back.
         samples += bits.count_ones();
-        sums.add(simd, live, [begin + number * length, length], light);
-        let ended = live & (sums.clear(simd) * max_light).simd_le(negligible);
+        let step = [begin + number * length, length];
+        let mut cut = !live & live;
+        if medium.level < 1.0 {
+            cut = sums.add_up_to(simd, medium.level, live, step, light);
+        } else {
+            sums.add(simd, live, step, light);
+        }
+        let ended = cut | live & (sums.clear(simd) * max_light).simd_le(negligible);
         let on = twice & !ended;
         samples += (on.to_bitmask() as u32).count_ones();
-        sums.add(simd, on, [begin + then * length, length], light_then);
-        let ended = live & (sums.clear(simd) * max_light).simd_le(negligible);
+        let step = [begin + then * length, length];
+        if medium.level < 1.0 {
+            cut |= sums.add_up_to(simd, medium.level, on, step, light_then);
+        } else {
+            sums.add(simd, on, step, light_then);
+        }
+        let ended = cut | live & (sums.clear(simd) * max_light).simd_le(negligible);
         steps.number = Lanes::new(number + 2.0);
         let after = left - 2.0;
         steps.left = Lanes::new(pick(ended, zero, after));

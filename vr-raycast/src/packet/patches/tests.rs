@@ -15,6 +15,7 @@ use vr_core::{
 use vr_physics::check::FixedLayer;
 
 use super::super::compared::{bits, plain, row_by_row, same};
+use super::super::random_scenes::sums;
 use super::{PatchEngine, PatchFrame};
 use crate::caster::{CompositingOrder, EmptySpace, RayCaster, Step};
 use crate::engine::lengths;
@@ -172,7 +173,8 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn draws_what_the_plain_engine_draws((scene, view) in scenes(), step in 0.1f64..2.5) {
+    fn draws_what_the_plain_engine_draws((scene, view) in scenes(), step in 0.1f64..2.5, compositing in sums()) {
+        let scene = Scene { compositing, ..scene };
         let caster = RayCaster { order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(step) };
         let plain = plain(&caster, &scene, &view);
         let (values, counts) = trace(&engine(&caster, &scene), &scene, &view, &row_by_row(&view));

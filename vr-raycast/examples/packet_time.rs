@@ -1,0 +1,94 @@
+//! Time of pictures by packets of sixteen rays beside that of the plain engine, on one thread:
+//! `cargo run --release -p vr-raycast --example packet_time [case|all] [both|packets|plain] [phantom] [voxels an edge] [size] [repeats]`.
+//!
+//! Both engines draw in turn, so that a busy machine is as busy for the one as for the other; each counts with its best time.
+use std::sync::Arc;
+use std::time::Instant;
+
+use vr_core::phantom::{self, sample};
+use vr_core::*;
+use vr_raycast::{RayCaster, Rule, Step, Vector};
+
+/// A thing to draw: its name, the change to the scene, and the caster.
+type Case = (&'static str, fn(&mut Scene), RayCaster);
+
+fn shade(scene: &mut Scene) {
+    scene.shading = Some(Arc::new(Shading::default()));
+}
+
+fn accumulate(scene: &mut Scene) {
+    scene.compositing = Compositing::Accumulate { level: 0.9 };
+}
+
+fn cases() -> Vec<Case> {
+    let (uniform, local) =
+        (RayCaster::uniform(0.5), RayCaster { step: Step::Local { error: 1e-3 }, ..RayCaster::uniform(0.5) });
+    let rule = |rule| RayCaster { rule, ..RayCaster::uniform(0.5) };
+    vec![
+        ("over", |_| (), uniform.clone()),
+        ("over-shaded", shade, uniform.clone()),
+        ("over-local", |_| (), local.clone()),
+        ("accumulate", accumulate, uniform.clone()),
+        (
+            "accumulate-shaded",
+            |scene| {
+                accumulate(scene);
+                shade(scene);
+            },
+            uniform,
+        ),
+        ("accumulate-local", accumulate, local),
+        ("linear", |_| (), rule(Rule::Linear)),
+        ("linear-shaded", shade, rule(Rule::Linear)),
+        ("quadratic", |_| (), rule(Rule::Quadratic)),
+        ("quadratic-shaded", shade, rule(Rule::Quadratic)),
+    ]
+}
+
+fn main() {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let arg = |i: usize, or: &str| args.get(i).cloned().unwrap_or_else(|| or.to_owned());
+    let number = |i: usize, or: &str| arg(i, or).parse::<usize>().unwrap();
+    let (case, who, name) = (arg(0, "all"), arg(1, "both"), arg(2, "fog"));
+    let (n, size, repeats) = (number(3, "128"), number(4, "512") as u32, number(5, "5"));
+    let control = Control::default().with_threads(1);
+    let phantom = phantom::by_name(&name).unwrap();
+    let volume = Volume::from(sample::<u8>(&*phantom, [n; 3]).unwrap());
+    let points = phantom.transfer_points();
+    let transfer = TransferFunction::new(points, OpacityRule::Power, phantom::TRANSFER_UNIT_DISTANCE).unwrap();
+    let plain = Scene::new(volume, transfer);
+    let view = View::new(Camera::framing(plain.volume.bounds(), 33.0, 21.0, None), [size, size]);
+    for (name, change, caster) in cases().into_iter().filter(|(name, ..)| case == "all" || *name == case) {
+        let mut scene = plain.clone();
+        change(&mut scene);
+        let engines = [("packets", caster.vector), ("plain", Vector::Off)];
+        let mut engines: Vec<_> = engines
+            .into_iter()
+            .filter(|(engine, _)| who == "both" || who == *engine)
+            .map(|(engine, vector)| {
+                let caster = RayCaster { vector, ..caster.clone() };
+                (engine, caster.prepare(&scene, &control).unwrap(), f64::INFINITY, None)
+            })
+            .collect();
+        for _ in 0..repeats {
+            for (_, prepared, best, last) in &mut engines {
+                let start = Instant::now();
+                let rendered = prepared.render(&view, &control).unwrap();
+                *best = best.min(start.elapsed().as_secs_f64());
+                *last = Some(rendered);
+            }
+        }
+        for (engine, _, best, last) in &engines {
+            println!(
+                "{name} {engine}: {:.1} ms, {:?} samples",
+                1e3 * best,
+                last.as_ref().unwrap().stats.counts.samples
+            );
+        }
+        if let [(_, _, a, Some(x)), (_, _, b, Some(y))] = &engines[..] {
+            let pairs = x.frame.pixels().as_flattened().iter().zip(y.frame.pixels().as_flattened());
+            let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            println!("{name}: {:.2} times as fast, off by {off:.1e} at most", b / a);
+        }
+    }
+}
