@@ -158,7 +158,9 @@ fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String> {
             matches!(caster.step, Step::ErrorBound(_)).then_some("a promised error".to_owned())
         }
         #[cfg(feature = "classics")]
-        ImageSampling::Coherent | ImageSampling::Template { .. } => crate::classics::beyond_screen(caster, scene),
+        ImageSampling::Coherent | ImageSampling::CBuffer | ImageSampling::Template { .. } => {
+            crate::classics::beyond_screen(caster, scene)
+        }
     }?;
     Some(format!("{what} with the screen '{}'", caster.image_sampling.name()))
 }

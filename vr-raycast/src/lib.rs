@@ -90,7 +90,7 @@
 //!
 //! # Classics
 //! The feature `classics` adds the accelerations of the literature that lost to these: other structures over empty space, coarse steps that
-//! look at a flag, long steps where the medium is nearly the same, walks from voxel to voxel, ray templates and the coherence buffer. The
+//! look at a flag, long steps where the medium is nearly the same, walks from voxel to voxel, ray templates and two coherence buffers. The
 //! README in `src/classics` tells what each was for and what beat it.
 //!
 //! # Error bound

@@ -262,6 +262,7 @@ mod tests {
             RayCaster { step: Step::Local { error: 0.01 }, ..RayCaster::default() },
             RayCaster { step: Step::Vicinity { coarse: 4.0, fine: 0.5 }, ..RayCaster::default() },
             RayCaster { step: Step::Homogeneous { step: 0.5, error: 0.1 }, ..RayCaster::default() },
+            RayCaster { step: Step::Variance { step: 0.5, error: 0.1 }, ..RayCaster::default() },
             RayCaster { step: Step::ErrorBound(0.1), ..RayCaster::default() },
         ];
         for from in &casters {
@@ -279,6 +280,7 @@ mod tests {
             (("screen", "coherent"), ("screen-threshold", 0.1), "screen=adaptive"),
             (("steps", "uniform"), ("local-error", 0.5), "steps=local"),
             (("steps", "vicinity"), ("homogeneity", 0.1), "steps=homogeneous"),
+            (("steps", "homogeneous"), ("homogeneity-rms", 0.1), "steps=variance"),
         ] {
             let error =
                 configured(Options::new().with(word.0, word.1).with(number.0, number.1)).unwrap_err().to_string();

@@ -192,6 +192,12 @@ impl<'a, R: Real> Pipeline<'a, R> {
                     run.len() as u64
                 }
             };
+            #[cfg(feature = "classics")]
+            if let Some(means) = walk.means() {
+                for (value, &mean) in run.value[..run.steps.len].iter_mut().zip(means).filter(|(_, m)| !m.is_nan()) {
+                    *value = R::from_f64(f64::from(mean));
+                }
+            }
             if needs.light {
                 self.classifier.classify(run);
                 chord.colors(run, false);

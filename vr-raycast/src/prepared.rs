@@ -30,9 +30,9 @@ pub(crate) struct PreparedCaster {
     /// Filter of the caster, where it is not the scene's.
     filtered: Option<Filter>,
     pub(crate) engine: Engine,
-    /// State that the coherent screen keeps from picture to picture.
+    /// State that the coherent screens keep from picture to picture.
     #[cfg(feature = "classics")]
-    pub(crate) coherence: Option<crate::classics::CoherenceBuffer>,
+    pub(crate) coherence: Option<crate::classics::Coherence>,
 }
 
 /// Caster and scene that go together, before anything is made for them.
@@ -61,7 +61,7 @@ impl PreparedCaster {
         let engine = control.run(|| Engine::new(&caster, &scene, &source, None))?;
         Ok(Self {
             #[cfg(feature = "classics")]
-            coherence: control.run(|| crate::classics::CoherenceBuffer::of(&caster, source.grid()?, &engine)),
+            coherence: control.run(|| crate::classics::Coherence::of(&caster, source.grid()?, &engine)),
             asked,
             caster,
             scene,
@@ -77,9 +77,8 @@ impl Prepared for PreparedCaster {
         let Settled { caster, scene, source, filtered } = Settled::new(&self.asked, scene, control)?;
         self.engine = control.run(|| Engine::new(&caster, &scene, &source, Some((&self.scene, &self.engine))))?;
         #[cfg(feature = "classics")]
-        if !crate::classics::CoherenceBuffer::holds_for(&self.scene, &scene) {
-            self.coherence =
-                control.run(|| crate::classics::CoherenceBuffer::of(&caster, source.grid()?, &self.engine));
+        if !crate::classics::Coherence::holds_for(&self.scene, &scene) {
+            self.coherence = control.run(|| crate::classics::Coherence::of(&caster, source.grid()?, &self.engine));
         }
         (self.caster, self.scene, self.source, self.filtered) = (caster, scene, source, filtered);
         Ok(())

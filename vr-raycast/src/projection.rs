@@ -111,6 +111,13 @@ impl Projection {
         })
     }
 
+    /// Returns the place of an index position in the picture, in pixels, and its depth along the view; `None` where it is not before the eye.
+    #[cfg(feature = "classics")]
+    pub(crate) fn point(&self, p: DVec3) -> Option<([f64; 2], f64)> {
+        let [x, y, w, z] = self.rows.map(|row| row.at(p));
+        (w > 0.0 && z > 0.0).then(|| ([x / w, y / w], z))
+    }
+
     /// Prepares the projection of boxes of given half edges.
     pub(crate) fn stencil(&self, half: DVec3) -> Stencil {
         Stencil {

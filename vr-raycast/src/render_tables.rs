@@ -123,7 +123,11 @@ impl<R: Real> RenderTables<R> {
         #[cfg(feature = "classics")]
         let homogeneity = {
             let last_of_field = last.filter(|(old, _)| old.volume.same(&scene.volume));
-            let then = last_of_field.and_then(|(old, i)| Some((i.homogeneity.as_ref()?, same_light(old, scene))));
+            let same = |old: &Scene| {
+                let looks = old.compositing == scene.compositing && old.lights == scene.lights;
+                same_light(old, scene) && looks && old.shading == scene.shading
+            };
+            let then = last_of_field.and_then(|(old, i)| Some((i.homogeneity.as_ref()?, same(old))));
             crate::classics::homogeneity(caster, scene, volume, then)
         };
         let last = last.filter(|(old, _)| same_light(old, scene)).map(|(_, tables)| tables);

@@ -45,11 +45,11 @@ fn assert_same(got: &Frame, want: &Frame, what: &str) {
     assert_eq!(depths(got), depths(want), "{what}: depths");
 }
 
-/// Draws views one after the other both ways; returns the samples that either took.
+/// Draws views one after the other, by every pixel and by a coherent screen; returns the samples that either took.
 fn assert_coherent(scene: &Scene, views: &[View], by: &RayCaster) -> (u64, u64) {
     let control = Control::default();
     let prepare = |screen| RayCaster { image_sampling: screen, ..by.clone() }.prepare(scene, &control).unwrap();
-    let (mut plain, mut coherent) = (prepare(ImageSampling::EveryPixel), prepare(ImageSampling::Coherent));
+    let (mut plain, mut coherent) = (prepare(ImageSampling::EveryPixel), prepare(by.image_sampling));
     let mut samples = (0, 0);
     for (i, view) in views.iter().enumerate() {
         let want = plain.render(view, &control).unwrap();
@@ -82,15 +82,17 @@ fn a_changed_transfer_function_is_seen() {
     let mut scene = balls(5, [30; 3], Placement::from_spacing([1.0; 3]).unwrap());
     let control = Control::default();
     let view = View::new(Camera::framing(scene.volume.bounds(), 40.0, 20.0, None), [40, 40]);
-    let mut coherent = caster(ImageSampling::Coherent).prepare(&scene, &control).unwrap();
+    let mut screens =
+        [ImageSampling::Coherent, ImageSampling::CBuffer].map(|by| caster(by).prepare(&scene, &control).unwrap());
     for low in [0.5, 0.1, 0.3] {
         let points = [(low, [1.0; 3], 0.0), (low + 0.1, [1.0, 0.0, 0.0], 0.7)];
         scene.transfer = transfer(&points, 1.0).into();
-        coherent.update(&scene, &control).unwrap();
         let want =
             caster(ImageSampling::EveryPixel).prepare(&scene, &control).unwrap().render(&view, &control).unwrap();
-        for _ in 0..2 {
+        for coherent in &mut screens {
+            coherent.update(&scene, &control).unwrap();
             assert_same(&coherent.render(&view, &control).unwrap().frame, &want.frame, "after a change");
+            assert_same(&coherent.render(&view, &control).unwrap().frame, &want.frame, "again");
         }
     }
 }
@@ -131,6 +133,7 @@ proptest! {
         backwards in prop::bool::weighted(0.2),
         vector in prop::sample::select(vec![Vector::Auto, Vector::Off]),
         leaping in prop::sample::select(vec![EmptySpace::None, EmptySpace::Octree]),
+        screen in prop::sample::select(vec![ImageSampling::Coherent, ImageSampling::CBuffer]),
     ) {
         // The box is about as large as the cameras' world.
         let last = DVec3::from_array(dims.map(|n| (n - 1) as f64));
@@ -155,7 +158,7 @@ proptest! {
             scene = FixedLayer::new(&views[0], pixel).among(&scene);
         }
         let order = if backwards { CompositingOrder::BackToFront } else { CompositingOrder::default() };
-        assert_coherent(&scene, &views, &RayCaster { order, vector, empty_space: leaping, ..caster(ImageSampling::Coherent) });
+        assert_coherent(&scene, &views, &RayCaster { order, vector, empty_space: leaping, ..caster(screen) });
     }
 }
 

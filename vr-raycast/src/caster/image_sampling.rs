@@ -21,6 +21,12 @@ pub enum ImageSampling {
     /// midpoint and left, under over and accumulate.
     #[cfg(feature = "classics")]
     Coherent,
+    /// Rays of every pixel, each begun where the point that the last picture met first tells: its points are projected to the view, hidden
+    /// ones are removed by their order, and holes are filled from their neighbours (the C-buffer as Yagel and Shi published it, 1993). Every
+    /// start is proven by the ranges of blocks of 2³ cells before it is taken, and the ray of a wrong one begins where the proof ends: the
+    /// picture is that of [`ImageSampling::EveryPixel`], bit for bit. For what [`ImageSampling::Coherent`] draws.
+    #[cfg(feature = "classics")]
+    CBuffer,
     /// Parallel rays that all step through the voxels alike, cast from the face of the volume that looks at the eye most; what they
     /// show there is stretched onto the screen (Yagel and Kaufman, *Template-based volume viewing*, 1992). Not exact, and for unshaded
     /// scenes under over in orthographic views without layers alone.
@@ -39,6 +45,8 @@ impl ImageSampling {
             Self::Adaptive { .. } => "adaptive",
             #[cfg(feature = "classics")]
             Self::Coherent => "coherent",
+            #[cfg(feature = "classics")]
+            Self::CBuffer => "c-buffer",
             #[cfg(feature = "classics")]
             Self::Template { connectivity } => connectivity.name(),
         }

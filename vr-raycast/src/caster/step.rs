@@ -19,12 +19,24 @@ pub enum Step {
     /// more than its share of `error`.
     ///
     /// The long steps of a ray together are off by at most `error`, where no source is brighter than 1 (else in
-    /// proportion); the short ones by what short steps are off by. For over, front to back, without shading.
+    /// proportion); the short ones by what short steps are off by. For over and accumulate, front to back, also shaded.
     #[cfg(feature = "classics")]
     Homogeneous {
         /// Length of the short steps, as a fraction of the smallest voxel edge.
         step: f64,
         /// Largest error that all long steps of a ray may make together.
+        error: f64,
+    },
+    /// Steps as [`Homogeneous`](Self::Homogeneous) has them, and through blocks whose field deviates from its mean by little in the root mean square,
+    /// one at that mean: by the variance times what the transfer function makes of it.
+    ///
+    /// The RMSE that all long steps make in an orthographic picture, over the rays that meet the volume, is at most `error`, where no source is
+    /// brighter than 1 (else in proportion). A single pixel may be off by more.
+    #[cfg(feature = "classics")]
+    Variance {
+        /// Length of the short steps, as a fraction of the smallest voxel edge.
+        step: f64,
+        /// Largest RMSE that all long steps may make together.
         error: f64,
     },
     /// Steps as long as a bound of the error allows: no component of a pixel is further than this from the correct one, relative to max(1, the picture's
@@ -77,7 +89,9 @@ impl Step {
         match self {
             Self::Uniform(step) => Some(step),
             #[cfg(feature = "classics")]
-            Self::Vicinity { fine: step, .. } | Self::Homogeneous { step, .. } => Some(step),
+            Self::Vicinity { fine: step, .. } | Self::Homogeneous { step, .. } | Self::Variance { step, .. } => {
+                Some(step)
+            }
             Self::Auto | Self::Local { .. } | Self::ErrorBound(_) => None,
         }
     }

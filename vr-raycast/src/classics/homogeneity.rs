@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use vr_core::{Filter, GridVolume, Scene, TransferFunction};
+use vr_core::{Compositing, Filter, GridVolume, Scene, TransferFunction};
 use vr_kernels::ranges::LevelRanges;
 
+use super::moments::Moments;
 use super::straightness::bends;
 use crate::caster::{RayCaster, Step, Traversal};
 use crate::error_bound::optics::{Extremes, Optics};
@@ -31,6 +32,20 @@ use crate::error_bound::optics::{Extremes, Optics};
 /// 2(|κ′|·bend + what κ as a function of the value differs from linear); and Δc by the same of c, and, as front and back do not count alike, half of
 /// κ₁/κ₀·e^(κ₁l) − 1 times the amplitude of what is linear. This is done for nodes of one and two blocks' edge.
 ///
+/// *Shading* multiplies c by a factor and adds a highlight, both between bounds that the lights give, whatever the gradient: Δc is widened by
+/// them, and nothing is known to be linear. *Accumulate* cuts a ray where its opacity reaches a level, inside a step, too. A bound E of the error at all
+/// places along the ray, insides of steps included, bounds the cut one by (1 + M)·E: at the place of the computed cut light is off by E,
+/// opacity by E, and light changes by at most M per opacity. So it takes ε/(1 + M), and the widths, which hold for parts of a step as well, without
+/// what is linear, which cancels over whole steps alone.
+///
+/// **By variance** ([`Step::Variance`]), a node may be crossed in one step at the mean m of its field ([`Moments`]), too, by what its variance tells of the
+/// *picture's RMSE*. With e = M·|κ(f) − κ(m)| + κ₁·|c(f) − c(m)| (|q(f) − q(m)| for an emission), a ray is off by at most ∫ e ds ≤ √(D ∫ e² ds)
+/// over its mean steps. The mean square over parallel rays that cover an area A is at most D/A ∫ e² dV; and the volume's V ≤ A·D. So where the root mean
+/// square of e over each node is at most ε/(2D), the RMSE is at most ε/2; and |κ(f) − κ(m)| is in the root mean square at most the
+/// smaller of Δκ and σ times the steepest slope of κ over the node's range: the variance times what the transfer function makes of it. (No maximum follows from
+/// a variance but one so wide that ranges are always better: a ray may meet nothing but outliers.) The other ε/2 goes to nodes by their ranges,
+/// as above. In perspective, where near nodes fill more pixels, the share of a node counts with the square of (its farthest depth/its nearest).
+///
 /// A byte per block is 1.6 % of a volume of bytes, the distances from linear are 7 %; the ranges, kept with the volume, are 3 %.
 #[derive(Clone, Debug)]
 pub(crate) struct Homogeneity {
@@ -38,6 +53,16 @@ pub(crate) struct Homogeneity {
     bytes: Vec<u8>,
     /// Distance of the field from linear in nodes of one and of two blocks' edge; it does not depend on the transfer function.
     bends: Arc<[Vec<f32>; 2]>,
+    /// Nodes that may be crossed at their mean; `None` where ranges alone decide.
+    means: Option<Means>,
+}
+
+/// Nodes that may be crossed at the mean of their field.
+#[derive(Clone, Debug)]
+struct Means {
+    moments: Arc<Moments>,
+    /// Level of the largest such node around each block, or [`MIXED`].
+    levels: Vec<u8>,
 }
 
 /// Node that sets the step of a ray in a block.
@@ -79,11 +104,12 @@ pub(crate) fn homogeneity(
     then: Option<(&Arc<Homogeneity>, bool)>,
 ) -> Option<Arc<Homogeneity>> {
     match (caster.step, then) {
-        (Step::Homogeneous { .. }, _) if caster.traversal != Traversal::Samples => None,
-        (Step::Homogeneous { .. }, Some((map, true))) => Some(Arc::clone(map)),
-        (Step::Homogeneous { error, .. }, then) => {
+        (Step::Homogeneous { .. } | Step::Variance { .. }, _) if caster.traversal != Traversal::Samples => None,
+        (Step::Homogeneous { .. } | Step::Variance { .. }, Some((map, true))) => Some(Arc::clone(map)),
+        (step @ (Step::Homogeneous { error, .. } | Step::Variance { error, .. }), then) => {
             let last = then.map(|(map, _)| map.as_ref());
-            Some(Arc::new(Homogeneity::new(volume, &scene.transfer, error, last)))
+            let by_variance = matches!(step, Step::Variance { .. });
+            Some(Arc::new(Homogeneity::new(volume, scene, error, by_variance, last)))
         }
         _ => None,
     }
@@ -94,7 +120,7 @@ impl Homogeneity {
     pub(crate) const EDGE: usize = LevelRanges::EDGE;
 
     /// Makes the map of a volume under a transfer function; `last` is one made for the same volume.
-    fn new(volume: &GridVolume, transfer: &TransferFunction, error: f64, last: Option<&Self>) -> Self {
+    fn new(volume: &GridVolume, scene: &Scene, error: f64, by_variance: bool, last: Option<&Self>) -> Self {
         let make = || {
             [0, 1].map(|level| {
                 if volume.filter() == Filter::Trilinear { bends(volume, Self::EDGE << level) } else { Vec::new() }
@@ -103,7 +129,13 @@ impl Homogeneity {
         let bends = last.map_or_else(|| Arc::new(make()), |last| Arc::clone(&last.bends));
         let levels = LevelRanges::of_volume(volume);
         let blocks = levels.blocks();
-        let verdicts = Verdicts::new(volume, &levels, transfer, error);
+        let verdicts = Verdicts::new(volume, &levels, scene, if by_variance { 0.5 * error } else { error });
+        let last_means = last.and_then(|last| last.means.as_ref());
+        let moments = || last_means.map(|m| Arc::clone(&m.moments)).or_else(|| Moments::new(volume).map(Arc::new));
+        let mut means = by_variance.then(moments).flatten().map(|moments| {
+            let levels = vec![MIXED; levels.ranges().len()];
+            Means { moments, levels }
+        });
         let mut nodes: Vec<Range> = levels
             .ranges()
             .iter()
@@ -118,6 +150,10 @@ impl Homogeneity {
             }
             // From the leaves up: what a larger node says counts.
             let found: Vec<Verdict> = nodes.par_iter().with_min_len(1 << 10).map(|&n| verdicts.of(n, level)).collect();
+            let spread: Vec<bool> = means.as_ref().map_or_else(Vec::new, |means| {
+                let moments = means.moments.of_level(level);
+                nodes.par_iter().zip(moments).map(|(&n, m)| verdicts.allow_mean(n, m.deviation)).collect()
+            });
             let scale = |i: usize| i >> level;
             for z in 0..blocks[2] {
                 for y in 0..blocks[1] {
@@ -129,6 +165,11 @@ impl Homogeneity {
                             Verdict::Homogeneous => bytes[row + x] = level as u8,
                             Verdict::Mixed => {}
                         }
+                        if let Some(means) = &mut means
+                            && spread[above + scale(x)]
+                        {
+                            means.levels[row + x] = level as u8;
+                        }
                     }
                 }
             }
@@ -137,7 +178,7 @@ impl Homogeneity {
             }
             (nodes, size) = parents(&nodes, size);
         }
-        Self { blocks, bytes, bends }
+        Self { blocks, bytes, bends, means }
     }
 
     /// Blocks along x, y, z.
@@ -152,6 +193,16 @@ impl Homogeneity {
             clear @ CLEAR.. => Node::Clear(u32::from(clear - CLEAR)),
             level => Node::Homogeneous(u32::from(level)),
         }
+    }
+
+    /// Returns the level of the largest node around a block that may be crossed at the mean of its field, and this mean, where that node is larger
+    /// than the one of [`at`](Self::at).
+    pub(crate) fn mean_at(&self, block @ [x, y, z]: [usize; 3]) -> Option<(u32, f32)> {
+        let means = self.means.as_ref()?;
+        let i = (z * self.blocks[1] + y) * self.blocks[0] + x;
+        let (level, own) = (means.levels[i], self.bytes[i]);
+        let larger = level != MIXED && (own == MIXED || (own < CLEAR && level > own));
+        larger.then(|| (u32::from(level), means.moments.at(u32::from(level), block).mean))
     }
 }
 
@@ -201,16 +252,31 @@ struct Medium {
     width: f64,
     /// Slopes of κ and of the source by the value, and their distances from linear.
     bent: [[f64; 2]; 2],
+    /// Steepest slopes of κ and of the source by the value; +∞ where they jump.
+    steepest: [f64; 2],
+    /// What the difference of two sources may be beyond that of their colours: by shading.
+    beyond: f64,
     clear: bool,
 }
 
 impl Verdicts {
-    fn new(volume: &GridVolume, levels: &LevelRanges, transfer: &TransferFunction, error: f64) -> Self {
+    fn new(volume: &GridVolume, levels: &LevelRanges, scene: &Scene, error: f64) -> Self {
+        let transfer: &TransferFunction = &scene.transfer;
         let (low, high) = volume.value_stats().range.unwrap_or_default();
         let optics = Optics::new(transfer, volume.calibration(), f64::from(low.abs().max(high.abs())));
         let corners = volume.corners();
         let across = (0..4).map(|i| corners[i].distance(corners[7 - i])).fold(0.0, f64::max);
-        let max_light = optics.brightest * if optics.emits { 1.5 * across } else { 1.0 };
+        // Bounds of the factor and of what is added to it; where the gradient is zero, colours stay.
+        let shading = scene.reflection().filter(|shading| !shading.is_flat());
+        let light = |c: usize| scene.lights.iter().map(|l| l.color[c]).sum::<f64>();
+        let light = light(0).max(light(1)).max(light(2));
+        let (factor, highlight) = shading.map_or(([1.0; 2], 0.0), |s| {
+            ([s.ambient.min(1.0), (s.ambient + s.diffuse * light).max(1.0)], s.specular * light)
+        });
+        let brightest = optics.brightest * factor[1] + highlight;
+        let max_light = (brightest * if optics.emits { 1.5 * across } else { 1.0 }).max(1.0);
+        let cuts = matches!(scene.compositing, Compositing::Accumulate { .. });
+        let error = if cuts { error / (1.0 + max_light) } else { error };
         // A range may fall short of the field by a hundredth of a level; and what cubic filters overshoot belongs to the outermost levels.
         let spacing = levels.stored(1) - levels.stored(0);
         let room = LevelRanges::SLACK * spacing + optics.knot_error;
@@ -220,19 +286,45 @@ impl Verdicts {
             let from = if overshoots && first == 0 { f64::NEG_INFINITY } else { levels.stored(first) - room };
             let to = if overshoots && last == u8::MAX { f64::INFINITY } else { levels.stored(last) + room };
             let e: Extremes = optics.extremes(from, to);
-            let bent =
-                if from.is_finite() && to.is_finite() { optics.bent(from, to) } else { [[0.0, f64::INFINITY]; 2] };
+            let finite = from.is_finite() && to.is_finite();
+            let unknown = [0.0, f64::INFINITY];
+            let bent = if finite && !cuts { optics.bent(from, to) } else { [unknown; 2] };
+            let bent = if shading.is_some() { [bent[0], unknown] } else { bent };
+            let steepest = if finite { optics.steepest(from, to) } else { [f64::INFINITY; 2] };
+            let largest = e.source.iter().map(|s| s[1]).fold(0.0, f64::max);
+            let lit = |s: &[f64; 2]| s[1] * factor[1] + highlight - s[0] * factor[0];
+            let width = if shading.is_some() { e.source.iter().map(lit).fold(0.0, f64::max) } else { e.source_width() };
             Medium {
                 kappa: e.rate.map(|r| r / optics.unit),
-                width: e.source_width(),
+                width,
                 bent: [bent[0].map(|x| x / optics.unit), bent[1]],
+                steepest: [steepest[0] / optics.unit, steepest[1] * factor[1]],
+                beyond: largest * (factor[1] - factor[0]) + highlight,
                 clear: e.rate[1] == 0.0 && (!optics.emits || e.source.iter().all(|s| s[1] == 0.0)),
             }
         };
         let table =
             (0..1usize << 16).into_par_iter().map(|i| (i >> 8 <= i & 255).then(|| medium(i >> 8, i & 255))).collect();
         let block = Homogeneity::EDGE as f64 * volume.placement().spacing().element_sum();
-        Self { table, emits: optics.emits, across, block, max_light: max_light.max(1.0), error }
+        Self { table, emits: optics.emits, across, block, max_light, error }
+    }
+
+    /// True if a node may be crossed at the mean of its field, from which that deviates by so much in the root mean square.
+    fn allow_mean(&self, range: Range, deviation: f32) -> bool {
+        let Some(m) = self.table[usize::from(range.levels[0]) << 8 | usize::from(range.levels[1])] else {
+            return false;
+        };
+        let [least, largest] = m.kappa;
+        if range.holed || !largest.is_finite() {
+            return false;
+        }
+        let deviation = f64::from(deviation);
+        let apart = |slope: f64| if slope == 0.0 { 0.0 } else { slope * deviation };
+        let opacity = (largest - least).min(apart(m.steepest[0])) * self.max_light;
+        let light = m.width.min(apart(m.steepest[1]) + m.beyond) * if self.emits { 1.0 } else { largest };
+        // (No number for a node without moments.)
+        let share = 0.5 * self.error / self.across;
+        !deviation.is_nan() && opacity <= share && light <= share
     }
 
     fn of(&self, range: Range, level: u32) -> Verdict {

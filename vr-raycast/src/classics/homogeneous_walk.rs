@@ -3,7 +3,7 @@
 use vr_core::IndexRay;
 
 use super::homogeneity::{Homogeneity, Node};
-use crate::run::Steps;
+use crate::run::{RUN, Steps};
 use crate::walk::BlockRay;
 
 /// Walk from node to node: over clear ones, through homogeneous ones in one step, and through the rest in short steps.
@@ -13,19 +13,40 @@ pub(crate) struct HomogeneousWalk<'a> {
     ray: BlockRay,
     /// World length of a short step.
     step: f64,
+    /// Values of the last run's steps that are crossed at the mean of a node; NaN for the others, which sample the field.
+    means: [f32; RUN],
+    /// True if the last run has any of those.
+    has_means: bool,
 }
 
 impl<'a> HomogeneousWalk<'a> {
     /// Begins a walk along a ray whose part in the volume is not empty. `voxel` is the world length of the smallest voxel edge.
     pub(crate) fn new(map: &'a Homogeneity, ray: IndexRay, step: f64, voxel: f64) -> Self {
-        Self { map, ray: BlockRay::new(ray, map.blocks(), Homogeneity::EDGE, voxel), step }
+        Self {
+            map,
+            ray: BlockRay::new(ray, map.blocks(), Homogeneity::EDGE, voxel),
+            step,
+            means: [f32::NAN; RUN],
+            has_means: false,
+        }
     }
 
     /// Fills the next run; false at the end of the ray.
     pub(crate) fn next(&mut self, steps: &mut Steps) -> bool {
         steps.len = 0;
+        self.has_means = false;
         while self.ray.goes_on(steps) {
             let block = self.ray.block();
+            if let Some((level, mean)) = self.map.mean_at(block) {
+                let length = self.ray.to_exit(node(block, level));
+                // A shorter one would be no longer than one that samples the field.
+                if length >= self.step {
+                    (self.means[steps.len], self.has_means) = (mean, true);
+                    self.ray.step(length, steps);
+                    continue;
+                }
+            }
+            self.means[steps.len] = f32::NAN;
             match self.map.at(block) {
                 Node::Clear(level) => self.ray.leap(node(block, level)),
                 Node::Homogeneous(level) => self.ray.step(self.ray.to_exit(node(block, level)).max(self.step), steps),
@@ -33,6 +54,11 @@ impl<'a> HomogeneousWalk<'a> {
             }
         }
         steps.len > 0
+    }
+
+    /// Returns the values of the last run's steps that stand for samples, NaN for those that do not; `None` if none does.
+    pub(crate) fn means(&self) -> Option<&[f32; RUN]> {
+        self.has_means.then_some(&self.means)
     }
 }
 

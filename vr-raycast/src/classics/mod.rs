@@ -1,10 +1,12 @@
 #![doc = include_str!("README.md")]
 
 mod boxes;
+mod c_buffer;
 mod chessboard_cloud;
 mod coherent;
 mod homogeneity;
 mod homogeneous_walk;
+mod moments;
 mod octree;
 pub(crate) mod options;
 mod polyhedron;
@@ -19,7 +21,6 @@ mod speed;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use coherent::CoherenceBuffer;
 pub(crate) use homogeneity::{Homogeneity, homogeneity};
 pub(crate) use homogeneous_walk::HomogeneousWalk;
 pub use template::Connectivity;
@@ -35,13 +36,15 @@ use vr_kernels::ranges::RangeBlocks;
 use crate::caster::{
     CompositingOrder, EmptySpace, ImageSampling, Precision, RayCaster, Rule, Step, TransferLookup, Traversal,
 };
+use crate::engine::Engine;
 use crate::leap::{EDGE, Leaper, Visibility, VisibleBlocks};
 use crate::prepared::PreparedCaster;
 use crate::render_tables::RenderTables;
 use crate::walk::{Walk, Walks};
 use boxes::Boxes;
+use c_buffer::CBuffer;
 use chessboard_cloud::ChessboardCloud;
-use coherent::coherent;
+use coherent::CoherenceBuffer;
 use octree::{NodeRanges, Octree};
 use polyhedron::Polyhedron;
 use pyramid::Pyramid;
@@ -110,6 +113,39 @@ impl<'a> WalkKind<'a> {
     }
 }
 
+/// State that a coherent screen keeps from picture to picture. No picture depends on it, but for what it costs.
+pub(crate) enum Coherence {
+    /// Visible cells of the blocks that were met first.
+    Cells(CoherenceBuffer),
+    /// Points that were met first.
+    Points(CBuffer),
+}
+
+impl Coherence {
+    /// Makes the state before the first picture; `None` for screens that keep none.
+    pub(crate) fn of(caster: &RayCaster, volume: &GridVolume, engine: &Engine) -> Option<Self> {
+        Some(match caster.image_sampling {
+            ImageSampling::Coherent => Self::Cells(CoherenceBuffer::of(volume, engine)?),
+            ImageSampling::CBuffer => Self::Points(CBuffer::of(volume, engine)?),
+            _ => return None,
+        })
+    }
+
+    /// True if the state made for one scene holds for another one, too. Compositing decides what a table is needed for, and so what can be
+    /// seen.
+    pub(crate) fn holds_for(then: &Scene, now: &Scene) -> bool {
+        let same_light = then.transfer == now.transfer && then.compositing == now.compositing;
+        then.volume.same(&now.volume) && same_light
+    }
+}
+
+/// Returns the test for the values of a field that can be seen.
+fn light_seen<R: Real>(tables: &RenderTables<R>) -> Visibility<R> {
+    let classifier = &tables.classifier;
+    let table = classifier.table.as_ref().map(|(table, _)| table);
+    Visibility::of_light(&classifier.transfer, classifier.calibration, table, None)
+}
+
 impl PreparedCaster {
     /// Draws a view, with the surfaces in it, if the caster's screen is a classic one.
     pub(crate) fn draw_by_classic_screen(
@@ -124,8 +160,10 @@ impl PreparedCaster {
         }
         let (volume, step) = (Arc::clone(volume), self.caster.world_step(volume.placement()));
         let mut buffer = self.coherence.take()?;
-        let drawn =
-            self.tracer(seen).and_then(|tracer| coherent(tracer.as_ref(), &mut buffer, &volume, step, seen, control));
+        let drawn = self.tracer(seen).and_then(|tracer| match &mut buffer {
+            Coherence::Cells(buffer) => buffer.draw(tracer.as_ref(), &volume, step, seen, control),
+            Coherence::Points(buffer) => buffer.draw(tracer.as_ref(), &volume, step, seen, control),
+        });
         self.coherence = Some(buffer);
         Some(drawn)
     }
@@ -133,16 +171,19 @@ impl PreparedCaster {
 
 /// Returns the feature of a scene that homogeneous steps cannot draw, and its description.
 pub(crate) fn beyond_steps(caster: &RayCaster, scene: &Scene) -> Option<(Feature, &'static str)> {
-    if !matches!(caster.step, Step::Homogeneous { .. }) {
+    let modulates = scene.shading.as_ref().is_some_and(|s| !s.gradient_opacity.is_empty());
+    let cuts = matches!(scene.compositing, Compositing::Accumulate { .. });
+    if !matches!(caster.step, Step::Homogeneous { .. } | Step::Variance { .. }) {
         None
-    } else if scene.compositing != Compositing::Over || caster.order == CompositingOrder::BackToFront {
-        Some((Feature::Setting, "homogeneous steps under anything but over, front to back"))
+    } else if !scene.compositing.integrates_light() || caster.order == CompositingOrder::BackToFront {
+        Some((Feature::Setting, "homogeneous steps under anything but over and accumulate, front to back"))
     } else if caster.rule != Rule::Midpoint {
         Some((Feature::Setting, "homogeneous steps by another rule than the midpoint's"))
-    } else if scene.shading.is_some() {
-        Some((Feature::Shading, "homogeneous steps with shading: values do not tell how it changes"))
-    } else if scene.transfer.has_rows() {
-        let what = "homogeneous steps with a transfer function by gradient: values do not tell how it changes";
+    } else if cuts && scene.transfer.has_emission() {
+        let what = "homogeneous steps under accumulate of an emission of its own, which shines where opacity hardly changes: no bound is known of where it is cut";
+        Some((Feature::Setting, what))
+    } else if scene.transfer.has_rows() || modulates {
+        let what = "homogeneous steps with opacity by the gradient: values do not tell how it changes";
         Some((Feature::GradientOpacity, what))
     } else {
         None
@@ -157,7 +198,7 @@ pub(crate) fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String>
     let filter = scene.volume.filter().unwrap_or_default();
     let found = match caster.image_sampling {
         ImageSampling::EveryPixel | ImageSampling::Adaptive { .. } => vec![],
-        ImageSampling::Coherent => vec![
+        ImageSampling::Coherent | ImageSampling::CBuffer => vec![
             (!scene.compositing.integrates_light()).then_some(compositing),
             uneven,
             // What a table of segments shows cannot be told from the values at their ends.

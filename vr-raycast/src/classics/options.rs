@@ -6,15 +6,17 @@ use super::Connectivity;
 use crate::caster::{EmptySpace, ImageSampling, RayCaster, Rule, Step, Traversal};
 
 /// Help of the option `steps`.
-pub(crate) const STEPS_HELP: &str = "length of steps: uniform; local, as long as what is in each place allows; vicinity, coarse where nothing is visible; homogeneous, long where the medium hardly changes; tolerance, as a promised error asks for; auto, local where light is followed, else uniform";
+pub(crate) const STEPS_HELP: &str = "length of steps: uniform; local, as long as what is in each place allows; vicinity, coarse where nothing is visible; homogeneous, long where the medium hardly changes; variance, long also where it changes little in the mean, by an octree of means and variances; tolerance, as a promised error asks for; auto, local where light is followed, else uniform";
 /// Kinds of steps that have a length.
-pub(crate) const STEPS_OF_ONE_LENGTH: &str = "steps=uniform, vicinity or homogeneous";
+pub(crate) const STEPS_OF_ONE_LENGTH: &str = "steps=uniform, vicinity, homogeneous or variance";
 
 const VICINITY: Step = Step::Vicinity { coarse: 8.0, fine: Step::OTHERWISE };
 const HOMOGENEOUS: Step = Step::Homogeneous { step: Step::OTHERWISE, error: 1e-2 };
+const VARIANCE: Step = Step::Variance { step: Step::OTHERWISE, error: 1e-2 };
 
 /// Kinds of steps, with the numbers that they have where none are given.
-pub(crate) const STEPS: [(&str, Step); 2] = [("vicinity", VICINITY), ("homogeneous", HOMOGENEOUS)];
+pub(crate) const STEPS: [(&str, Step); 3] =
+    [("vicinity", VICINITY), ("homogeneous", HOMOGENEOUS), ("variance", VARIANCE)];
 /// Ways of leaping.
 pub(crate) const LEAPINGS: [(&str, EmptySpace); 5] = [
     ("octree", EmptySpace::Octree),
@@ -26,14 +28,15 @@ pub(crate) const LEAPINGS: [(&str, EmptySpace); 5] = [
 /// Traversals.
 pub(crate) const TRAVERSALS: [(&str, Traversal); 1] = [("voxels", Traversal::Voxels)];
 /// Screens.
-pub(crate) const SCREENS: [ImageSampling; 3] = [
+pub(crate) const SCREENS: [ImageSampling; 4] = [
     ImageSampling::Coherent,
+    ImageSampling::CBuffer,
     ImageSampling::Template { connectivity: Connectivity::Discrete },
     ImageSampling::Template { connectivity: Connectivity::Continuous },
 ];
 
 /// Options of steps. Each number makes steps the kind that has it, unless they are of one already.
-pub(crate) fn step_options() -> [DeclaredOption<RayCaster>; 2] {
+pub(crate) fn step_options() -> [DeclaredOption<RayCaster>; 3] {
     [
         DeclaredOption::number_only_with(
             ("homogeneity", "largest error that all the long ones of homogeneous steps may make together on a ray"),
@@ -43,6 +46,16 @@ pub(crate) fn step_options() -> [DeclaredOption<RayCaster>; 2] {
             |c: &mut RayCaster, error| {
                 let step = c.step.length().unwrap_or(Step::OTHERWISE);
                 c.step = Step::Homogeneous { step, error };
+            },
+        ),
+        DeclaredOption::number_only_with(
+            ("homogeneity-rms", "largest RMSE that all the long ones of steps by variance may make together"),
+            NumberRange::above(0.0).up_to(1.0),
+            ("steps=variance", |c| c.step = VARIANCE),
+            |c| if let Step::Variance { error, .. } = c.step { Some(error) } else { None },
+            |c: &mut RayCaster, error| {
+                let step = c.step.length().unwrap_or(Step::OTHERWISE);
+                c.step = Step::Variance { step, error };
             },
         ),
         DeclaredOption::<RayCaster>::number_only_with(
@@ -68,9 +81,10 @@ pub(crate) fn is_rule_beyond_voxels(caster: &RayCaster) -> bool {
 }
 
 /// Returns the named casters of a study.
-pub(crate) fn settings() -> [(String, RayCaster); 2] {
+pub(crate) fn settings() -> [(String, RayCaster); 3] {
     let template = ImageSampling::Template { connectivity: Connectivity::Continuous };
-    [("coherent", ImageSampling::Coherent), ("template", template)].map(|(word, screen)| {
+    let screens = [("coherent", ImageSampling::Coherent), ("c-buffer", ImageSampling::CBuffer), ("template", template)];
+    screens.map(|(word, screen)| {
         (format!("midpoint 1 {word}"), RayCaster { image_sampling: screen, ..RayCaster::uniform(1.0) })
     })
 }

@@ -273,6 +273,29 @@ impl Optics {
         [[slope.abs(), off], [steepest, source_off]]
     }
 
+    /// Returns the steepest slopes of κ·unit and of the source by the value over a closed range of finite numbers; both +∞ where anything jumps in it, or a wall is.
+    #[cfg(feature = "classics")]
+    pub(crate) fn steepest(&self, low: f64, high: f64) -> [f64; 2] {
+        let pieces = self.meeting(low, high);
+        if pieces.iter().any(|p| p.opaque) || pieces.windows(2).any(|p| p[0].ends[1] != p[1].ends[0]) {
+            return [f64::INFINITY; 2];
+        }
+        let mut steepest = [0.0f64; 2];
+        for p in pieces {
+            // −ln(1 − α) is convex: it is steepest at an end.
+            for v in [low.clamp(p.from, p.to), high.clamp(p.from, p.to)] {
+                let rate = match self.rule {
+                    _ if p.opacity_slope == 0.0 => 0.0,
+                    OpacityRule::Extinction => p.opacity_slope.abs(),
+                    OpacityRule::Power => p.opacity_slope.abs() / p.clearness_at(v).max(0.0),
+                };
+                steepest[0] = steepest[0].max(rate);
+            }
+            steepest[1] = steepest[1].max(p.source_steepness());
+        }
+        steepest
+    }
+
     /// Returns the optical depth per unit distance of an opacity, of which the complement is given, too.
     pub(crate) fn rate(&self, opacity: f64, clearness: f64) -> f64 {
         match self.rule {

@@ -97,6 +97,12 @@ impl Walk<'_> {
         if let Self::Listed(walk) = self { walk.places() } else { None }
     }
 
+    /// Returns values that stand for the samples of the last run's steps, NaN for steps that have none; `None` if none has.
+    #[cfg(feature = "classics")]
+    pub(crate) fn means(&self) -> Option<&[f32; crate::run::RUN]> {
+        if let Self::Homogeneous(walk) = self { walk.means() } else { None }
+    }
+
     /// Returns the number of steps left out so far because nothing in them is visible; 0 where it is not known.
     pub(crate) fn skipped(&self) -> u64 {
         if let Self::Lattice(walk) = self { walk.skipped() } else { 0 }

@@ -43,49 +43,47 @@ use cells::Sight;
 use std::sync::Arc;
 
 use vr_core::{
-    Control, Counts, GridVolume, IndexRay, Layer, Ray, Rays, Real, RenderError, RenderStats, Rendered, Scene, View,
+    Control, Counts, GridVolume, IndexRay, Layer, Ray, Rays, Real, RenderError, RenderStats, Rendered, View,
 };
 
-use crate::caster::{ImageSampling, RayCaster};
+use super::light_seen;
 use crate::engine::Engine;
 use crate::leap::Visibility;
-use crate::render_tables::{RenderTables, TablesByPrecision};
+use crate::render_tables::TablesByPrecision;
 use crate::screen::{by_tiles, spots_of_pixel};
 use crate::tracer::{RaySample, Tracer};
 
 impl CoherenceBuffer {
-    /// Makes the state of the coherent screen before its first picture; `None` for other screens.
-    pub(crate) fn of(caster: &RayCaster, volume: &GridVolume, engine: &Engine) -> Option<Self> {
-        if caster.image_sampling != ImageSampling::Coherent {
-            return None;
-        }
-        let sight = match engine.kernel()? {
-            TablesByPrecision::F32(tables) => sight(tables),
-            TablesByPrecision::F64(tables) => sight(tables),
+    /// Makes the state before the first picture.
+    pub(crate) fn of(volume: &GridVolume, engine: &Engine) -> Option<Self> {
+        let sight: Sight = match engine.kernel()? {
+            TablesByPrecision::F32(tables) => sight(light_seen(tables)),
+            TablesByPrecision::F64(tables) => sight(light_seen(tables)),
         };
         Some(Self::new(volume, sight))
     }
 
-    /// True if a buffer made for one scene holds for another one, too. Compositing decides what a table is needed for, and so what can be
-    /// seen.
-    pub(crate) fn holds_for(then: &Scene, now: &Scene) -> bool {
-        let same_light = then.transfer == now.transfer && then.compositing == now.compositing;
-        then.volume.same(&now.volume) && same_light
+    /// Draws a view, as [`coherent`] does.
+    pub(crate) fn draw(
+        &mut self,
+        tracer: &dyn Tracer,
+        volume: &GridVolume,
+        step: f64,
+        seen: (&View, Option<&Layer>),
+        control: &Control,
+    ) -> Result<Rendered, RenderError> {
+        coherent(tracer, self, volume, step, seen, control)
     }
 }
 
-/// Returns the test for the values of a field that can be seen.
-fn sight<R: Real>(tables: &RenderTables<R>) -> Sight {
-    let classifier = &tables.classifier;
-    let table = classifier.table.as_ref().map(|(table, _)| table);
-    let visibility = Visibility::of_light(&classifier.transfer, classifier.calibration, table, None);
+fn sight<R: Real>(visibility: Visibility<R>) -> Sight {
     Arc::new(move |low, high| visibility.shows(low, high))
 }
 
 /// Draws a view, each ray from where something can be seen first; rays that cannot see anything are not traced.
 ///
 /// `step` is the world length of the steps of the tracer's lattice.
-pub(crate) fn coherent(
+fn coherent(
     tracer: &dyn Tracer,
     buffer: &mut CoherenceBuffer,
     volume: &GridVolume,
