@@ -4,13 +4,17 @@
 //!
 //! 1. **Set-up**, in f64: where slices are ([`Proxy`]), and what of each pixel's ray lies between the middles of two neighbours: a slab. Slabs are cut by the
 //!    box, the clip and an opaque layer, so the first and the last of a ray are as short as they are, and nothing of the ray is left out.
-//! 2. **Proxy geometry** ([`geometry`]): the polygons in which slices cut a box, the footprints of slabs, and their pixels, by the top-left rule. They decide
-//!    what is drawn where the picture is made slice by slice ([`DrawOrder::Slices`]); tile by tile, each pixel's own chord says the same.
+//! 2. **Proxy geometry** ([`geometry`]), where the picture is made slice by slice ([`DrawOrder::Slices`]): the polygon in which a slab's near face cuts what is left
+//!    of the box under the clip (of a stack's layer a quad), and the strips of the box's own faces beside the slab, as far as they are turned to the eye; for a ray at the box's rim
+//!    may meet a slab, and not the slice in its middle. They are cut into fans of triangles, and these rasterised by the top-left rule, corners on a grid of 2⁻⁸ pixels.
+//!    Slabs are drawn four of these parts larger than they are, and a fragment is discarded where its ray has no part of the slab: so rounding loses none. Tile by tile,
+//!    each pixel's own chord says the same.
 //! 3. **Fetch**: sixteen pixels at a time, from a texture of values, of light, of palette indices, or of compressed blocks ([`Format`]).
 //! 4. **Classification**, by tables that are off by less than rounding or not used at all; **shading**; and **blending** ([`Blend`], or the scene's own
 //!    compositing) of each pixel's fragments in their order.
 //!
-//! The picture depends on the order of fragments on each pixel alone. So the default takes all slices of sixteen pixels, then the next sixteen: the
+//! The picture depends on the order of fragments on each pixel alone; [`DrawOrder::Slices`] draws all fragments of a slice, whatever the texture, the operator and the
+//! blend, before those of the next, through the same stages, and counts the same. So the default takes all slices of sixteen pixels, then the next sixteen: the
 //! same bits as slice after slice across the picture, without the picture going through the caches once a slice.
 //!
 //! # Example
@@ -45,7 +49,7 @@
 //! | slices | slabs | equally long |
 //! |---|---|---|
 //! | planes | between planes parallel to the image, counted from the middle of the box | in parallel projection |
-//! | shells | between spheres about the eye | always |
+//! | shells | between spheres about the eye (slice by slice, the box between two planes around each is rasterised: no sphere is tessellated) | always |
 //! | stacks | between the volume's own layers (or parts of one), along the axis that the view crosses most of | in parallel projection |
 //!
 //! If they are not, opacity is corrected fragment by fragment; [`TextureSlicer::correction`] turns that off, to show what then becomes of brightness.
@@ -72,8 +76,8 @@
 //! # What it does not do
 //! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; filters other than the trilinear one; analytic gradients, and opacity that
 //! follows the gradient; shading of volumes with missing voxels, of segments, palettes and compressed textures, and in perspective of voxels that are classified
-//! beforehand, or of luminance alone by lights of a colour; values picked from textures of light, or back to front; `first` but through 3D textures that are not compressed; stacks but of values; bricks and
-//! whole slices but of unshaded values in 3D textures, under `over`, front to back; whole slices that are shells. Depths are told of `over` and `accumulate`, front to
+//! beforehand, or of luminance alone by lights of a colour; values picked from textures of light, or back to front; `first` but through 3D textures that are not compressed; stacks but of values; bricks
+//! but of unshaded values in 3D textures, under `over`, front to back, tile by tile: a brick's slices are drawn while it is there. Depths are told of `over` and `accumulate`, front to
 //! back, and of `first`. `maximum` and `minimum` are of samples.
 
 mod bricks;

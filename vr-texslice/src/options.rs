@@ -49,7 +49,7 @@ impl Configurable for TextureSlicer {
                 ),
                 DeclaredOption::choice(
                     "order",
-                    "drawing order: all slices of a few pixels after the other, or a whole slice after the other, as graphics cards do",
+                    "drawing order: all slices of a few pixels after the other, or a whole slice after the other, in triangles, as graphics cards do; same picture",
                     [("tiles", DrawOrder::Tiles), ("slices", DrawOrder::Slices)],
                     |r: &Self| r.order,
                     |r, order| r.order = order,

@@ -14,6 +14,9 @@ use crate::fragments::Setup;
 use crate::geometry::{Body, HalfSpace, Polygon, SUBPIXELS, box_corners, half_spaces};
 use crate::projection::ScreenProjection;
 
+#[cfg(test)]
+mod tests;
+
 /// Part of a pixel by which slabs are drawn larger: more than the diagonal of what corners are rounded to.
 const MARGIN: f64 = 4.0 / SUBPIXELS as f64;
 
@@ -64,8 +67,11 @@ impl<'a> ProxyGeometry<'a> {
     /// All slabs that rays can have, front to back along every ray.
     pub(crate) fn slabs(&self) -> Vec<Slab> {
         let mut slabs = Vec::new();
-        let series = if self.setup.slices.axis().is_some() { &[false, true][..] } else { &[false] };
-        for &falling in series {
+        // Rays that are parallel meet a stack in one order.
+        let ahead = self.setup.placement.inverse_axes() * self.screen.forward();
+        let falls = self.setup.slices.fall_along(ahead.to_array());
+        let both = self.perspective && self.setup.slices.axis().is_some();
+        for falling in [false, true].into_iter().filter(|&falling| both || falling == falls) {
             let [first, last] = self.numbers(falling);
             // Nothing is left of the box: first is +∞.
             let mut number = first;

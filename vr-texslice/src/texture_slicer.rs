@@ -74,7 +74,7 @@ pub enum DrawOrder {
     /// All slices of sixteen pixels, then the next sixteen: what a processor's caches like.
     #[default]
     Tiles,
-    /// A slice across the whole picture, rasterised, then the next one: what a graphics card does.
+    /// A slice across the whole picture, its polygons rasterised in triangles, then the next one: what a graphics card does.
     Slices,
 }
 

@@ -9,7 +9,7 @@ use vr_core::image_order::in_parallel;
 use vr_core::parallel::locked;
 use vr_core::{Control, Counts, RenderError};
 use vr_kernels::vector::{
-    Cells as Places, Field, LANES, Lanes, Pairs, Stage, Sums, Vectorized, cells, inside, pick, run, splat, step_light,
+    Field, LANES, Lanes, Pairs, Stage, Sums, Vectorized, cells, inside, pick, run, splat, step_light,
 };
 
 use super::classify::Classifier;
@@ -31,14 +31,14 @@ pub(crate) struct Bricked<'a, T> {
 }
 
 /// Sixteen rays, between bricks.
-pub(crate) struct Waiting {
-    pub(crate) at: Packet,
-    pub(crate) rays: Fragments,
-    pub(crate) state: State,
+struct Waiting {
+    at: Packet,
+    rays: Fragments,
+    state: State,
     /// The next sample of each ray: the first is numbered one less than the whole ones, the last one more. +∞: no more.
     next: Lanes,
-    pub(crate) drawn: u64,
-    pub(crate) skipped: u64,
+    drawn: u64,
+    skipped: u64,
 }
 
 impl<T: Pairs> Bricked<'_, T> {
@@ -74,7 +74,6 @@ impl<T: Pairs> Bricked<'_, T> {
                             dims: self.volume.dims,
                             cells: &cells,
                             texture: texture.as_ref(),
-                            only: None,
                             waiting: &mut waiting,
                         };
                         run(scene.level, through);
@@ -98,7 +97,7 @@ impl<T: Pairs> Bricked<'_, T> {
 }
 
 /// The rays of sample `k` of every pixel, before the first brick.
-pub(crate) fn set_up(
+fn set_up(
     scene: &PacketScene<'_>,
     places: &[Packet],
     k: u32,
@@ -115,7 +114,7 @@ pub(crate) fn set_up(
 }
 
 /// Sixteens of rays of a task.
-pub(crate) const GROUP: usize = 64;
+const GROUP: usize = 64;
 
 struct SetUp<'a> {
     scene: &'a PacketScene<'a>,
@@ -133,16 +132,14 @@ impl Vectorized for SetUp<'_> {
     }
 }
 
-/// Sixteen rays through one brick, or through the next slab.
-pub(crate) struct BrickRays<'a, T> {
-    pub(crate) scene: &'a PacketScene<'a>,
-    pub(crate) dims: [usize; 3],
-    pub(crate) cells: &'a Cells,
+/// Sixteen rays through one brick.
+struct BrickRays<'a, T> {
+    scene: &'a PacketScene<'a>,
+    dims: [usize; 3],
+    cells: &'a Cells,
     /// `None`: nothing is visible in it.
-    pub(crate) texture: Option<&'a Lattice<'a, T>>,
-    /// The rays that take one sample each; `None`: all take as many as lie in the brick.
-    pub(crate) only: Option<u32>,
-    pub(crate) waiting: &'a mut Waiting,
+    texture: Option<&'a Lattice<'a, T>>,
+    waiting: &'a mut Waiting,
 }
 
 impl<T: Pairs> Vectorized for BrickRays<'_, T> {
@@ -158,7 +155,6 @@ impl<T: Pairs> Vectorized for BrickRays<'_, T> {
         let (zero, one, never) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, f32::INFINITY));
         let max = self.dims.map(|n| (n - 1) as f32);
         let behind = rays.max_behind(self.scene.max_radiance);
-        let chosen = self.only.map(|bits| Lanes(std::array::from_fn(|i| (bits >> i & 1) as f32)));
         loop {
             // The next sample of each ray: its first, a whole one, or its last.
             let (begin, end) = (rays.begin.load(simd), rays.end.load(simd));
@@ -175,12 +171,9 @@ impl<T: Pairs> Vectorized for BrickRays<'_, T> {
                 // What has no sample may be anywhere, and NaN times 0 is.
                 at[a] = inside(simd, pick(live, p, zero), max[a]);
             }
-            // Only samples that lie in this brick count, of the rays asked for.
+            // Only samples that lie in this brick count.
             let mut places = cells(simd, at, self.dims.map(|n| n as i32 - 2));
             let mut here = live;
-            if let Some(chosen) = &chosen {
-                here &= chosen.load(simd).simd_gt(zero);
-            }
             for a in 0..3 {
                 let [low, high] = self.cells[a].map(|c| c as i32);
                 let cell = places.cell[a];
@@ -192,11 +185,8 @@ impl<T: Pairs> Vectorized for BrickRays<'_, T> {
                 break;
             }
             let count = u64::from(here.to_bitmask().count_ones());
-            // A slab of the whole volume: its samples may lie in blocks in which nothing can be visible.
-            let hidden = chosen.is_some()
-                && self.scene.pass.occupancy.is_some_and(|o| o.is_empty(touched(here.to_bitmask() as u32, &places)));
             // Fetches, classifies and composites them.
-            if let Some(field) = field.as_ref().filter(|_| !hidden) {
+            if let Some(field) = &field {
                 *drawn += count;
                 field.fetch(simd, &places, &mut stage);
                 let value = field.value(simd, &places, &stage);
@@ -228,26 +218,10 @@ impl<T: Pairs> Vectorized for BrickRays<'_, T> {
                 let done = (sums.clear(simd) * behind.load(simd)).simd_le(splat(simd, self.scene.pass.negligible));
                 number = pick(done, never, number);
             }
-            if chosen.is_some() {
-                break;
-            }
         }
         *next = Lanes::new(number);
         sums.store(&mut state.sums);
     }
-}
-
-/// The box of cells, from the first to the last along each axis, that some of sixteen places lie in. There must be one.
-#[inline(always)]
-fn touched<S: Simd>(which: u32, places: &Places<S>) -> [[usize; 2]; 3] {
-    let mut all = [[usize::MAX, 0]; 3];
-    for (ends, cell) in all.iter_mut().zip(places.cell) {
-        let cell = cell.to_array();
-        for i in (0..LANES).filter(|i| which >> i & 1 == 1) {
-            *ends = [ends[0].min(cell[i] as usize), ends[1].max(cell[i] as usize)];
-        }
-    }
-    all
 }
 
 /// True for lanes with low ≤ cell < high.
