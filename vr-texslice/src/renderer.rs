@@ -15,7 +15,7 @@ impl Renderer for TextureSlicer {
         check(self, scene)?;
         view.map_or(Ok(()), |view| {
             view.validate()?;
-            check_view(self, scene, view)
+            check_view(self, view)
         })
     }
 
