@@ -3,12 +3,10 @@
 use std::sync::Arc;
 
 use vr_core::{
-    Compositing, Configurable, Feature, Filter, GradientMethod, GridVolume, Projection, RenderError, Scene,
-    Unsupported, View,
+    Compositing, Configurable, Feature, Filter, GradientMethod, GridVolume, RenderError, Scene, Unsupported,
 };
 use vr_kernels::tables::beyond_f32;
 
-use crate::classified::is_shaded;
 use crate::texture_slicer::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
 
 pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderError {
@@ -51,14 +49,6 @@ pub(crate) fn check(renderer: &TextureSlicer, scene: &Scene) -> Result<Arc<GridV
             format!("a termination under '{}': no opacity is gathered", scene.compositing.name()),
         ));
     }
-    if let Compositing::First { .. } = scene.compositing
-        && (renderer.format == Format::Compressed || renderer.proxy == Proxy::Stacks)
-    {
-        return Err(unsupported(
-            Feature::Compositing,
-            "compositing 'first' but through 3D textures that are not compressed",
-        ));
-    }
     if renderer.blend == Blend::BackToFront {
         match scene.compositing {
             Compositing::Accumulate { level } if level < 1.0 => {
@@ -77,12 +67,12 @@ pub(crate) fn check(renderer: &TextureSlicer, scene: &Scene) -> Result<Arc<GridV
             _ => {}
         }
     }
-    check_shading(renderer, scene, volume)?;
-    check_texture(renderer, scene, volume)?;
+    check_shading(scene)?;
+    check_texture(renderer, scene)?;
     Ok(Arc::clone(volume))
 }
 
-fn check_shading(renderer: &TextureSlicer, scene: &Scene, volume: &GridVolume) -> Result<(), RenderError> {
+fn check_shading(scene: &Scene) -> Result<(), RenderError> {
     if scene.has_gradient_opacity() {
         return Err(unsupported(Feature::GradientOpacity, "opacity that follows the gradient"));
     }
@@ -93,21 +83,10 @@ fn check_shading(renderer: &TextureSlicer, scene: &Scene, volume: &GridVolume) -
             "analytic gradients: those at the voxels are interpolated",
         ));
     }
-    if matches!(renderer.format, Format::PreIntegrated | Format::Paletted | Format::Compressed)
-        && scene.compositing.integrates_light()
-    {
-        return Err(unsupported(
-            Feature::Shading,
-            "shading of pre-integrated segments, of palettes and of compressed textures",
-        ));
-    }
-    if volume.value_stats().has_missing() {
-        return Err(unsupported(Feature::MissingValues, "shading of a volume with missing voxels"));
-    }
     Ok(())
 }
 
-fn check_texture(renderer: &TextureSlicer, scene: &Scene, volume: &GridVolume) -> Result<(), RenderError> {
+fn check_texture(renderer: &TextureSlicer, scene: &Scene) -> Result<(), RenderError> {
     if renderer.format == Format::LuminanceAlpha {
         let grey = |c: [f64; 3]| c[0] == c[1] && c[1] == c[2];
         let points = scene.transfer.points();
@@ -117,9 +96,6 @@ fn check_texture(renderer: &TextureSlicer, scene: &Scene, volume: &GridVolume) -
         if scene.reflection().is_some() && !scene.lights.iter().all(|light| grey(light.color)) {
             return Err(unsupported(Feature::Color, "lights of a colour on textures of luminance and alpha"));
         }
-    }
-    if renderer.format == Format::Compressed && volume.value_stats().has_missing() {
-        return Err(unsupported(Feature::MissingValues, "compression of a volume with missing voxels"));
     }
     let plain_stack = matches!(renderer.format, Format::Scalar | Format::PreIntegrated);
     if renderer.proxy == Proxy::Stacks && !plain_stack {
@@ -141,18 +117,6 @@ fn check_texture(renderer: &TextureSlicer, scene: &Scene, volume: &GridVolume) -
         return Err(unsupported(
             Feature::Setting,
             "whole slices of bricks: a brick's slices are drawn while it is there, before the next brick's",
-        ));
-    }
-    Ok(())
-}
-
-/// Checks that this renderer can draw this view, beyond the scene's own demands.
-pub(crate) fn check_view(renderer: &TextureSlicer, scene: &Scene, view: &View) -> Result<(), RenderError> {
-    let perspective = matches!(view.camera.projection, Projection::Perspective { .. });
-    if perspective && is_shaded(renderer.format, scene) {
-        return Err(unsupported(
-            Feature::Perspective,
-            "voxels shaded beforehand in perspective: what they reflect changes from ray to ray",
         ));
     }
     Ok(())

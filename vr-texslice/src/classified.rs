@@ -1,8 +1,11 @@
 //! Textures of light, made from a volume: classified, and shaded, voxel by voxel.
 
+use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::parallel::each_part;
-use vr_core::{GridVolume, ParameterError, Scene, View, Voxel, gradient_at_sample, with_grid};
+use vr_core::{
+    GridVolume, LatticeVisitor, ParameterError, RayShading, Scene, View, Voxel, gradient_at_sample, with_grid,
+};
 
 use crate::slices::Slices;
 use crate::texture_slicer::Format;
@@ -11,17 +14,90 @@ use crate::texture_slicer::Format;
 pub(crate) enum Classified {
     Rgba(Vec<[f32; 4]>),
     Luminance(Vec<[f32; 2]>),
-    Indices { texels: Vec<u8>, palette: Box<[[f32; 4]; 256]> },
+    Indices { texels: Vec<u8>, palette: Box<[[f32; 4]; 256]>, reflections: Option<Reflections> },
+}
+
+/// What voxels of a palette reflect: a palette has one colour for a value, and not one for each way that a surface may face.
+pub(crate) struct Reflections {
+    seen: Seen,
+    /// Factors on the three colours of a voxel, and the three lights that are added to an opaque one.
+    pub(crate) texels: Vec<[f32; 6]>,
 }
 
 /// Index, of 256, that stands for a missing voxel.
 const MISSING: u8 = 255;
 
-/// Key of a texture of light: the length of a slab, and the direction of a view where something is shaded.
+/// Key of a texture of light: the length of a slab, and how a view sees voxels where they are shaded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TextureKey {
     pub(crate) length: f64,
-    pub(crate) forward: Option<[f64; 3]>,
+    pub(crate) seen: Option<Seen>,
+}
+
+/// Rays by which voxels are seen: what they reflect depends on these.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Seen {
+    /// Parallel ones.
+    Along(DVec3),
+    /// Those from an eye, each voxel by its own.
+    From(DVec3),
+}
+
+/// Shading of voxels, the same for all that are seen along parallel rays.
+struct VoxelShading<'a> {
+    scene: &'a Scene,
+    volume: &'a GridVolume,
+    seen: Seen,
+    parallel: Option<RayShading<f64>>,
+}
+
+impl<'a> VoxelShading<'a> {
+    /// Makes it for a view; `None` where nothing is shaded.
+    fn new(scene: &'a Scene, volume: &'a GridVolume, seen: Option<Seen>) -> Option<Self> {
+        let (seen, shading) = (seen?, scene.reflection()?);
+        let parallel = match seen {
+            Seen::Along(direction) => Some(shading.along(&scene.lights, direction)),
+            Seen::From(_) => None,
+        };
+        Some(Self { scene, volume, seen, parallel })
+    }
+
+    /// Factor on a voxel's colour, and light that is added to an opaque one.
+    fn reflect(&self, index: [usize; 3]) -> ([f64; 3], [f64; 3]) {
+        let placement = self.volume.placement();
+        let world = placement.gradient_to_world(self.volume.with_lattice(GradientAtSample(index)).into()).to_array();
+        match (&self.parallel, self.seen, self.scene.reflection()) {
+            (Some(parallel), ..) => parallel.reflect(world),
+            (None, Seen::From(eye), Some(shading)) => {
+                let voxel = placement.origin() + placement.axes() * DVec3::from_array(index.map(|i| i as f64));
+                // A voxel in the eye is seen from nowhere: its light has no direction, and no highlight.
+                shading.along(&self.scene.lights, (voxel - eye).normalize_or_zero()).reflect(world)
+            }
+            _ => ([1.0; 3], [0.0; 3]),
+        }
+    }
+
+    /// Light and opacity of a voxel, shaded.
+    fn shade(&self, [r, g, b, alpha]: [f64; 4], index: [usize; 3]) -> [f64; 4] {
+        // What is clear reflects nothing, and vacuum is NaN.
+        if alpha.is_nan() || alpha <= 0.0 {
+            return [r, g, b, alpha];
+        }
+        let (factor, added) = self.reflect(index);
+        let lit = |light: f64, c: usize| light * factor[c] + added[c] * alpha;
+        [lit(r, 0), lit(g, 1), lit(b, 2), alpha]
+    }
+}
+
+/// Gradient at a voxel per index step; missing neighbours are filled in as the field's gradients have it.
+struct GradientAtSample([usize; 3]);
+
+impl LatticeVisitor for GradientAtSample {
+    type Output = [f64; 3];
+
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> [f64; 3] {
+        gradient_at_sample::<T, f64>(&lattice, self.0)
+    }
 }
 
 impl TextureKey {
@@ -29,19 +105,21 @@ impl TextureKey {
     ///
     /// # Errors
     /// A camera that makes no sense.
-    pub(crate) fn new(format: Format, scene: &Scene, view: &View, slices: &Slices) -> Result<Self, ParameterError> {
-        let forward = view.camera.frame()?.z_axis.to_array();
-        let forward = is_shaded(format, scene).then_some(forward);
-        Ok(Self { length: slices.table_length(), forward })
+    pub(crate) fn new(scene: &Scene, view: &View, slices: &Slices) -> Result<Self, ParameterError> {
+        let camera = &view.camera;
+        let forward = camera.frame()?.z_axis;
+        let seen = if camera.projection.is_perspective() { Seen::From(camera.eye) } else { Seen::Along(forward) };
+        Ok(Self { length: slices.table_length(), seen: scene.reflection().map(|_| seen) })
     }
 }
 
 impl Classified {
-    /// Bytes that a volume takes in a format of light.
-    pub(crate) fn bytes(format: Format, volume: &GridVolume) -> u64 {
+    /// Bytes that a volume takes in a format of light, shaded or not.
+    pub(crate) fn bytes(format: Format, volume: &GridVolume, shaded: bool) -> u64 {
         let texel = match format {
             Format::Rgba => 16,
             Format::LuminanceAlpha => 8,
+            _ if shaded => 1 + size_of::<[f32; 6]>() as u64,
             _ => 1,
         };
         volume.dims().iter().product::<usize>() as u64 * texel
@@ -49,7 +127,11 @@ impl Classified {
 
     /// Classifies every voxel for slabs of a length, or makes its index and a palette.
     pub(crate) fn new(format: Format, scene: &Scene, volume: &GridVolume, made: &TextureKey) -> Self {
-        let light = |stored: f64, index: [usize; 3]| texel_light(scene, volume, made, stored, index);
+        let shading = VoxelShading::new(scene, volume, made.seen);
+        let light = |stored: f64, index: [usize; 3]| {
+            let light = classified(scene, volume, made.length, stored);
+            shading.as_ref().map_or(light, |shading| shading.shade(light, index)).map(|x| x as f32)
+        };
         match format {
             Format::Rgba => Self::Rgba(each(volume, light)),
             Format::LuminanceAlpha => Self::Luminance(each(volume, |stored, index| {
@@ -59,47 +141,71 @@ impl Classified {
             _ => {
                 let code = Codes::of(volume);
                 let texels = each(volume, |stored, _| code.index(stored));
-                Self::Indices { texels, palette: code.palette(scene, volume, made) }
+                let palette = code.palette(scene, volume, made.length);
+                Self::Indices { texels, palette, reflections: Reflections::new(scene, volume, made.seen) }
             }
         }
     }
 
-    /// Takes a new transfer function or length over, where that needs no look at voxels.
-    pub(crate) fn recolor(&mut self, scene: &Scene, volume: &GridVolume, made: &TextureKey) {
-        if let Self::Indices { palette, .. } = self {
-            *palette = Codes::of(volume).palette(scene, volume, made);
+    /// Takes a new transfer function, length or view over, where that needs no look at what voxels hold; returns false where nothing but the palette is new.
+    pub(crate) fn recolor(&mut self, scene: &Scene, volume: &GridVolume, made: &TextureKey) -> bool {
+        let Self::Indices { palette, reflections, .. } = self else { return false };
+        *palette = Codes::of(volume).palette(scene, volume, made.length);
+        let serves = reflections.as_ref().map(|r| r.seen) == made.seen;
+        if !serves {
+            // The old ones go first: there may be no room for both.
+            *reflections = None;
+            *reflections = Reflections::new(scene, volume, made.seen);
+        }
+        !serves && made.seen.is_some()
+    }
+
+    /// Forgets what voxels reflect: shading or lights have changed.
+    pub(crate) fn forget_reflections(&mut self) {
+        if let Self::Indices { reflections, .. } = self {
+            *reflections = None;
         }
     }
 }
 
-/// Light and opacity of a voxel, NaN where it is missing.
-pub(crate) fn texel_light(
-    scene: &Scene,
-    volume: &GridVolume,
-    made: &TextureKey,
-    stored: f64,
-    index: [usize; 3],
-) -> [f32; 4] {
-    if stored.is_nan() {
-        return [f32::NAN; 4];
+impl Reflections {
+    /// Makes them for a view; `None` where nothing is shaded.
+    fn new(scene: &Scene, volume: &GridVolume, seen: Option<Seen>) -> Option<Self> {
+        let shading = VoxelShading::new(scene, volume, seen)?;
+        let texels = each(volume, |_, index| {
+            let ([a, b, c], [d, e, f]) = shading.reflect(index);
+            [a, b, c, d, e, f].map(|x| x as f32)
+        });
+        Some(Self { seen: shading.seen, texels })
     }
-    let light = scene.transfer.step(volume.calibration().value(stored), made.length);
-    let (Some(forward), Some(shading), true) = (made.forward, &scene.shading, light[3] > 0.0) else {
-        return light.map(|c| c as f32);
-    };
-    fn gradient<T: Voxel>(lattice: &Lattice<'_, T>, index: [usize; 3]) -> [f64; 3] {
-        gradient_at_sample::<T, f64>(lattice, index)
-    }
-    let gradient = with_grid!(volume.values(), g => {
-        gradient(&Lattice { samples: g.samples(), dims: g.dims() }, index)
-    });
-    let world = volume.placement().gradient_to_world(gradient.into());
-    shading.along(&scene.lights, forward.into()).shade(light, world.to_array()).map(|x| x as f32)
 }
 
-/// True if voxels are shaded, which a view's direction is needed for.
-pub(crate) fn is_shaded(format: Format, scene: &Scene) -> bool {
-    matches!(format, Format::Rgba | Format::LuminanceAlpha) && scene.reflection().is_some()
+/// Light and opacity of a stored number and a slab, NaN where it is missing.
+fn classified(scene: &Scene, volume: &GridVolume, length: f64, stored: f64) -> [f64; 4] {
+    if stored.is_nan() { [f64::NAN; 4] } else { scene.transfer.step(volume.calibration().value(stored), length) }
+}
+
+/// Texels of light in f64, as the model has them: classified, and shaded.
+pub(crate) struct ExactTexels<'a> {
+    codes: Option<Codes>,
+    shading: Option<VoxelShading<'a>>,
+    scene: &'a Scene,
+    volume: &'a GridVolume,
+    length: f64,
+}
+
+impl<'a> ExactTexels<'a> {
+    pub(crate) fn new(format: Format, scene: &'a Scene, volume: &'a GridVolume, made: &TextureKey) -> Self {
+        let codes = (format == Format::Paletted).then(|| Codes::of(volume));
+        Self { codes, shading: VoxelShading::new(scene, volume, made.seen), scene, volume, length: made.length }
+    }
+
+    /// Light and opacity of a voxel, NaN where it is missing.
+    pub(crate) fn at(&self, stored: f64, index: [usize; 3]) -> [f64; 4] {
+        let stored = self.codes.map_or(stored, |codes| codes.level(stored));
+        let light = classified(self.scene, self.volume, self.length, stored);
+        self.shading.as_ref().map_or(light, |shading| shading.shade(light, index))
+    }
 }
 
 /// One texel for every sample, from its stored number and its index.
@@ -123,14 +229,14 @@ fn each<X: Send + Copy + Default>(volume: &GridVolume, texel: impl Fn(f64, [usiz
 
 /// Indices of stored numbers: bytes as they are; anything else by the nearest of 255 levels over its range, one index standing for missing voxels.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Codes {
+struct Codes {
     low: f64,
     step: f64,
     last: f64,
 }
 
 impl Codes {
-    pub(crate) fn of(volume: &GridVolume) -> Self {
+    fn of(volume: &GridVolume) -> Self {
         let (low, high) = volume.value_stats().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
         if volume.voxel_type().is_integer() && high - low <= 255.0 {
             return Self { low, step: 1.0, last: 255.0 };
@@ -144,19 +250,18 @@ impl Codes {
     }
 
     /// Light and opacity of every index.
-    fn palette(&self, scene: &Scene, volume: &GridVolume, made: &TextureKey) -> Box<[[f32; 4]; 256]> {
+    fn palette(&self, scene: &Scene, volume: &GridVolume, length: f64) -> Box<[[f32; 4]; 256]> {
         let holes = volume.value_stats().has_missing();
         let entry = |i: usize| {
             let missing = holes && i == usize::from(MISSING);
             let stored = if missing { f64::NAN } else { self.low + i as f64 * self.step };
-            texel_light(scene, volume, &TextureKey { forward: None, ..*made }, stored, [0; 3])
+            classified(scene, volume, length, stored).map(|x| x as f32)
         };
         Box::new(std::array::from_fn(entry))
     }
 
-    /// The light that a palette has for a stored number.
-    pub(crate) fn light(&self, scene: &Scene, volume: &GridVolume, made: &TextureKey, stored: f64) -> [f32; 4] {
-        let level = if stored.is_nan() { stored } else { self.low + f64::from(self.index(stored)) * self.step };
-        texel_light(scene, volume, &TextureKey { forward: None, ..*made }, level, [0; 3])
+    /// The stored number that stands for another in a palette.
+    fn level(&self, stored: f64) -> f64 {
+        if stored.is_nan() { stored } else { self.low + f64::from(self.index(stored)) * self.step }
     }
 }

@@ -2,7 +2,7 @@
 
 use vr_core::filter::Lattice;
 use vr_core::parallel::each_part;
-use vr_core::{GridVolume, LatticeVisitor, Voxel};
+use vr_core::{GridVolume, LatticeVisitor, Real, VacuumCells, Voxel, gradient_between_samples};
 
 /// Texels along the edge of a block.
 const EDGE: usize = 4;
@@ -26,11 +26,14 @@ pub(crate) struct Compressed {
     ends: Vec<[f32; 2]>,
     /// One number a texel, block by block: 8 bytes for 16 texels of 4 bits, 24 for 64 of 3.
     levels: Vec<u64>,
+    /// Cells with a missing corner, a bit each: blocks hold the nearest value in the place of missing ones. `None` if there are none.
+    vacuum: Option<VacuumCells>,
 }
 
 impl Compressed {
     pub(crate) fn new(volume: &GridVolume) -> Self {
-        volume.with_lattice(Compress { end_bytes: volume.voxel_type().bytes() })
+        let all = volume.with_lattice(Compress { end_bytes: volume.voxel_type().bytes() });
+        Self { vacuum: volume.vacuum_cells().cloned(), ..all }
     }
 
     pub(crate) fn dims(&self) -> [usize; 3] {
@@ -39,7 +42,9 @@ impl Compressed {
 
     /// Bytes of the texture as a card would hold it: both end points in the samples' type.
     pub(crate) fn bytes(&self) -> u64 {
-        (self.ends.len() * 2 * self.end_bytes + self.levels.len() * 8) as u64
+        let cells = self.dims.map(|n| n - 1).iter().product::<usize>();
+        let mask = if self.vacuum.is_some() { cells.div_ceil(64) * 8 } else { 0 };
+        (self.ends.len() * 2 * self.end_bytes + self.levels.len() * 8 + mask) as u64
     }
 
     /// The value of a texel.
@@ -51,14 +56,43 @@ impl Compressed {
         low + step * self.level(block, texel) as f32
     }
 
-    /// The texels around a cell, x fastest.
+    /// The texels around a cell, x fastest; NaN where one is missing.
     #[inline(always)]
     pub(crate) fn cell(&self, [x, y, z]: [usize; 3]) -> [f32; 8] {
-        let mut corners = [0.0; 8];
+        let mut corners = [f32::NAN; 8];
+        if self.vacuum.as_ref().is_some_and(|vacuum| vacuum.is_vacuum([x, y, z])) {
+            return corners;
+        }
         for (i, corner) in corners.iter_mut().enumerate() {
             *corner = self.at([x + (i & 1), y + (i >> 1 & 1), z + (i >> 2)]);
         }
         corners
+    }
+
+    /// The stored number at a place in index space, linear between texels; NaN beside a missing one.
+    pub(crate) fn value_at(&self, at: [f64; 3]) -> f64 {
+        let cell: [usize; 3] = std::array::from_fn(|a| (at[a] as usize).min(self.dims[a] - 2));
+        let [x, y, z]: [f64; 3] = std::array::from_fn(|a| at[a] - cell[a] as f64);
+        let [c0, c1, c2, c3, c4, c5, c6, c7] = self.cell(cell).map(f64::from);
+        let mix = |low: f64, high: f64, t: f64| low + t * (high - low);
+        mix(mix(mix(c0, c1, x), mix(c2, c3, x), y), mix(mix(c4, c5, x), mix(c6, c7, x), y), z)
+    }
+
+    /// Central differences of the texels per index step, linear between them, at a place in index space: from the texels of the cells around it.
+    pub(crate) fn gradient_at<R: Real>(&self, at: [R; 3]) -> [R; 3] {
+        let cell: [usize; 3] = std::array::from_fn(|a| at[a].to_index().min(self.dims[a] - 2));
+        let low = cell.map(|c| c.saturating_sub(1));
+        let dims: [usize; 3] = std::array::from_fn(|a| (cell[a] + 3).min(self.dims[a]) - low[a]);
+        let mut texels = [0.0; TEXELS];
+        for z in 0..dims[2] {
+            for y in 0..dims[1] {
+                for x in 0..dims[0] {
+                    texels[(z * dims[1] + y) * dims[0] + x] = self.at([low[0] + x, low[1] + y, low[2] + z]);
+                }
+            }
+        }
+        let lattice = Lattice { samples: &texels[..dims.iter().product()], dims };
+        gradient_between_samples(&lattice, std::array::from_fn(|a| at[a] - R::from_index(low[a])))
     }
 
     /// Level of a texel. Of 3 bits, 21 levels share a word but for the last of the block's three, which holds 22: levels run on across words.
@@ -117,7 +151,7 @@ impl LatticeVisitor for Compress {
                 }
             }
         });
-        Compressed { dims, blocks, bits, end_bytes: self.end_bytes, ends, levels }
+        Compressed { dims, blocks, bits, end_bytes: self.end_bytes, ends, levels, vacuum: None }
     }
 }
 

@@ -4,6 +4,7 @@ use glam::DVec3;
 use vr_core::{Compositing, GridVolume, Scene};
 use vr_kernels::vector::Operator;
 
+use crate::compression::Compressed;
 use crate::draw::{Pixel, State};
 use crate::fragments::Fragments;
 
@@ -12,17 +13,14 @@ pub(crate) struct Finish<'a> {
     pub(crate) operator: Operator,
     pub(crate) scene: &'a Scene,
     pub(crate) volume: &'a GridVolume,
+    /// The texture, where that is not the volume itself.
+    pub(crate) compressed: Option<&'a Compressed>,
 }
 
 /// Halvings of the slab in which a threshold is passed: 10⁻⁹ of it is left, which is below the rounding of an f32 depth.
 const HALVINGS: u32 = 30;
 
 impl Finish<'_> {
-    /// True if pixels have a depth.
-    pub(crate) fn has_depth(&self) -> bool {
-        matches!(self.operator, Operator::Under { .. } | Operator::First { .. })
-    }
-
     /// Pixel `i` of sixteen whose ray met the volume.
     pub(crate) fn pixel(&self, rays: &Fragments, state: &State, i: usize) -> Pixel {
         let [sum, lost, _] = &state.sums;
@@ -32,9 +30,16 @@ impl Finish<'_> {
                 let rgba = std::array::from_fn(|c| f64::from(sum[c].0[i] - lost[c].0[i]));
                 Pixel { rgba, depth: rays.distance_at(i, state.half(i)) }
             }
-            Operator::Over => Pixel { rgba: std::array::from_fn(|c| f64::from(sum[c].0[i])), ..Pixel::NOTHING },
+            Operator::Over => {
+                let half = state.half_from_behind(i);
+                let depth = if half.is_finite() { rays.distance_at(i, half) } else { f64::INFINITY };
+                Pixel { rgba: std::array::from_fn(|c| f64::from(sum[c].0[i])), depth }
+            }
             Operator::Extreme { .. } if value == f32::NEG_INFINITY => Pixel::NOTHING,
-            Operator::Extreme { sign } => self.picked(f64::from(value * sign)),
+            Operator::Extreme { sign } => {
+                let depth = rays.distance_at(i, state.other.0[i]);
+                Pixel { depth, ..self.picked(f64::from(value * sign)) }
+            }
             Operator::Average if state.other.0[i] == 0.0 => Pixel::NOTHING,
             Operator::Average => {
                 let mean = (f64::from(value) - f64::from(state.lost.0[i])) / f64::from(state.other.0[i]);
@@ -55,7 +60,10 @@ impl Finish<'_> {
     fn first(&self, rays: &Fragments, i: usize, state: &State, sign: f64) -> Pixel {
         let Compositing::First { threshold } = self.scene.compositing else { return Pixel::NOTHING };
         let threshold = self.volume.calibration().stored(threshold);
-        let stored = |s: f64| self.volume.stored_at(self.index(rays, i, s));
+        let stored = |s: f64| {
+            let at = self.index(rays, i, s);
+            self.compressed.map_or_else(|| self.volume.stored_at(at), |compressed| compressed.value_at(at))
+        };
         let (mut below, mut reached) = (rays.distance_at(i, state.other.0[i]), rays.distance_at(i, state.value.0[i]));
         // Where a ray enters, both are the same.
         for _ in 0..if below < reached { HALVINGS } else { 0 } {
@@ -66,7 +74,11 @@ impl Finish<'_> {
         let [r, g, b] = self.scene.transfer.at(self.volume.calibration().value(stored(reached))).color;
         let mut rgba = [r, g, b, 1.0];
         if let Some(shading) = self.scene.reflection() {
-            let gradient = self.volume.central_differences_at(self.index(rays, i, reached));
+            let at = self.index(rays, i, reached);
+            let gradient = match self.compressed {
+                Some(compressed) => compressed.gradient_at(at),
+                None => self.volume.central_differences_at(at),
+            };
             let world = self.volume.placement().gradient_to_world(gradient.into());
             let along = DVec3::from(rays.chords.along.map(|a| a[i]));
             rgba = shading.along(&self.scene.lights, along).shade(rgba, world.to_array());

@@ -73,11 +73,12 @@ impl Fragments {
         },
     };
 
-    /// The same samples from the last to the first. Of spans nothing is known then.
+    /// The same samples from the last to the first, and numbers that grow towards the eye.
     pub(crate) fn turn(&mut self) {
         self.has.swap(0, 1);
         self.outer.swap(0, 1);
         self.outer_ratio.swap(0, 1);
+        self.outer_span.swap(0, 1);
         for i in 0..LANES {
             if self.hits >> i & 1 == 1 {
                 (self.begin.0[i], self.end.0[i]) = (1.0 - self.end.0[i], 1.0 - self.begin.0[i]);
@@ -85,6 +86,10 @@ impl Fragments {
             for a in 0..3 {
                 self.delta[a].0[i] = -self.delta[a].0[i];
             }
+            for [begin, length] in &mut self.outer_span {
+                begin.0[i] = -(begin.0[i] + length.0[i]);
+            }
+            self.distance[1][i] = -self.distance[1][i];
         }
     }
 

@@ -46,6 +46,15 @@
 //! on the faces between slabs, where a ray enters and where it leaves. That is its model ([`Prepared::model`](vr_core::Prepared::model)); tables and rounding add
 //! 10⁻⁷ to 10⁻⁵ to it, 10⁻⁴ where a transfer function bends within a hundredth of a texture's range.
 //!
+//! Shaded, a fragment of values reflects what a surface across the gradient at its sample does; a segment, at its middle, so that both ends have their share.
+//! Light (`rgba`, `luminance-alpha`, palettes) is shaded at the voxels before it is interpolated, each voxel by the ray on which it is seen: in perspective from the eye to
+//! it. Beside each index a palette keeps what its voxel reflects, three factors and three lights: it has one colour for a value, not one for each way that
+//! a surface may face. Compressed textures are shaded by gradients of what their blocks hold, and are as rough as these. Beside missing voxels gradients are those of
+//! the field in which missing ones have the nearest value that is there.
+//!
+//! Depths are world distances along the ray: to where opacity reaches a half under `over` and `accumulate`, whatever the order of blending, to the point of `first`, to the sample that
+//! `maximum` and `minimum` pick. A mean is nowhere: +∞.
+//!
 //! | slices | slabs | equally long |
 //! |---|---|---|
 //! | planes | between planes parallel to the image, counted from the middle of the box | in parallel projection |
@@ -62,10 +71,10 @@
 //! | compressed | 0.41 (bytes), 0.56 (16 bits), 0.63 (floats) | a table | as scalar |
 //! | rgba | 16 | every voxel | every voxel, if shaded |
 //! | luminance-alpha | 8 | every voxel | every voxel, if shaded |
-//! | paletted | 1 | 256 entries | nothing |
+//! | paletted | 1; shaded 25 | 256 entries | what every voxel reflects, if shaded |
 //!
 //! [`RenderStats::stages`](vr_core::RenderStats::stages) of the next picture tells what had to be made, and how long it took: `table`, `palette`, `classify`,
-//! `compress`, `stack`; what was there already is not listed. Textures, tables apart, stay within [`TextureSlicer::budget`], or there is a typed error; [bricks](TextureSlicer::brick) come and go within it.
+//! `reflect`, `compress`, `stack`; what was there already is not listed. Textures, tables apart, stay within [`TextureSlicer::budget`], or there is a typed error; [bricks](TextureSlicer::brick) come and go within it.
 //!
 //! # Accuracy
 //! Against the canonical pixel, errors fall with the distance of slices by the order 2 where field and transfer function are continuous, of planes, shells and
@@ -75,10 +84,8 @@
 //!
 //! # What it does not do
 //! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; filters other than the trilinear one; analytic gradients, and opacity that
-//! follows the gradient; shading of volumes with missing voxels, of segments, palettes and compressed textures, and in perspective of voxels that are classified
-//! beforehand, or of luminance alone by lights of a colour; values picked from textures of light, or back to front; `first` but through 3D textures that are not compressed; stacks but of values; bricks
-//! but of unshaded values in 3D textures, under `over`, front to back, tile by tile: a brick's slices are drawn while it is there. Depths are told of `over` and `accumulate`, front to
-//! back, and of `first`. `maximum` and `minimum` are of samples.
+//! follows the gradient; colours, and lights of a colour, on luminance alone; values picked from textures of light, or back to front; stacks but of values; bricks
+//! but of unshaded values in 3D textures, under `over`, front to back, tile by tile: a brick's slices are drawn while it is there. `maximum` and `minimum` are of samples.
 
 mod bricks;
 mod capabilities;

@@ -8,11 +8,11 @@ use vr_core::{
 };
 use vr_kernels::tables::PreIntegrated;
 
-use crate::classified::{Codes, TextureKey, texel_light};
+use crate::classified::{ExactTexels, TextureKey};
 use crate::compression::Compressed;
 use crate::slices::{Slabs, Slices};
 use crate::tables::segments;
-use crate::texture_slicer::{Format, TextureSlicer};
+use crate::texture_slicer::TextureSlicer;
 
 /// The sum over slabs.
 pub(crate) struct SliceModel {
@@ -38,8 +38,7 @@ impl SliceModel {
     ) -> Result<Self, RenderError> {
         let on_faces = renderer.is_pre_integrated();
         let slices = Slices::new(renderer, view, volume.placement(), volume.dims(), on_faces)?;
-        let made =
-            if renderer.holds_light() { Some(TextureKey::new(renderer.format, scene, view, &slices)?) } else { None };
+        let made = if renderer.holds_light() { Some(TextureKey::new(scene, view, &slices)?) } else { None };
         Ok(Self {
             renderer: renderer.clone(),
             scene: scene.clone(),
@@ -89,13 +88,15 @@ struct Along<'a> {
 }
 
 impl Along<'_> {
+    /// Index of a distance, inside the box.
+    fn place(&self, s: f64) -> [f64; 3] {
+        let (dims, at) = (self.volume.dims(), self.part.at(s).to_array());
+        std::array::from_fn(|a| at[a].clamp(0.0, (dims[a] - 1) as f64))
+    }
+
     /// Index at which the texture is read for a distance.
     fn index(&self, s: f64) -> [f64; 3] {
-        let dims = self.volume.dims();
-        let mut at = self.part.at(s).to_array();
-        for a in 0..3 {
-            at[a] = at[a].clamp(0.0, (dims[a] - 1) as f64);
-        }
+        let (dims, mut at) = (self.volume.dims(), self.place(s));
         if let Some(axis) = self.slices.axis() {
             // Between the slices of a stack there is nothing.
             let per_layer = f64::from(self.model.renderer.per_layer());
@@ -106,7 +107,7 @@ impl Along<'_> {
 
     fn stored(&self, s: f64) -> f64 {
         if let Some(compressed) = &self.model.compressed {
-            return self.between_texels(s, |texel| [f64::from(compressed.at(texel)); 1])[0];
+            return compressed.value_at(self.index(s));
         }
         self.volume.stored_at(self.index(s))
     }
@@ -129,18 +130,14 @@ impl Along<'_> {
     fn light(&self, s: f64, made: &TextureKey, length: f64) -> [f64; 4] {
         let (scene, volume) = (&self.model.scene, self.volume);
         let dims = volume.dims();
-        let codes = (self.model.renderer.format == Format::Paletted).then(|| Codes::of(volume));
+        let texels = ExactTexels::new(self.model.renderer.format, scene, volume, made);
         let texel = |index: [usize; 3]| {
             fn number<T: Voxel>(samples: &[T], at: usize) -> f64 {
                 samples[at].to_f32().into()
             }
             let at = (index[2] * dims[1] + index[1]) * dims[0] + index[0];
             let stored = vr_core::with_grid!(volume.values(), g => number(g.samples(), at));
-            match codes {
-                Some(codes) => codes.light(scene, volume, made, stored),
-                None => texel_light(scene, volume, made, stored, index),
-            }
-            .map(f64::from)
+            texels.at(stored, index)
         };
         let [r, g, b, alpha] = self.between_texels(s, texel);
         if alpha.is_nan() {
@@ -152,11 +149,25 @@ impl Along<'_> {
         [r * share, g * share, b * share, corrected]
     }
 
+    /// Light and opacity of a slab, by what a surface across the gradient at an index reflects.
+    fn shaded(&self, light: [f64; 4], index: [f64; 3]) -> [f64; 4] {
+        let scene = &self.model.scene;
+        let Some(shading) = scene.reflection() else { return light };
+        let gradient = match &self.model.compressed {
+            Some(compressed) => compressed.gradient_at(index),
+            None => self.volume.central_differences_at(index),
+        };
+        let world = self.volume.placement().gradient_to_world(gradient.into());
+        shading.along(&scene.lights, self.ray.direction).shade(light, world.to_array())
+    }
+
     /// Light and opacity of a slab.
     fn fragment(&self, [begin, end]: [f64; 2], length: f64) -> [f64; 4] {
         let scene = &self.model.scene;
         if let Some(table) = &self.model.segments {
-            return table.segment(self.stored(begin), self.stored(end), length);
+            let light = table.segment(self.stored(begin), self.stored(end), length);
+            // Half way between two slices of a stack, too: so both have their share.
+            return self.shaded(light, self.place(0.5 * (begin + end)));
         }
         let middle = 0.5 * (begin + end);
         if let Some(made) = &self.model.made {
@@ -167,9 +178,6 @@ impl Along<'_> {
             return [0.0; 4];
         }
         let light = scene.transfer.step(self.volume.calibration().value(stored), length);
-        let Some(shading) = scene.reflection() else { return light };
-        let gradient = self.volume.central_differences_at(self.index(middle));
-        let world = self.volume.placement().gradient_to_world(gradient.into());
-        shading.along(&scene.lights, self.ray.direction).shade(light, world.to_array())
+        self.shaded(light, self.index(middle))
     }
 }

@@ -14,7 +14,7 @@ use vr_kernels::ranges::{RangeBlocks, Visibility};
 use vr_kernels::vector::{Operator, PacketShading, Pairs, Rows};
 
 use crate::bricks::{BrickLattice, Pool};
-use crate::capabilities::{check, check_view};
+use crate::capabilities::check;
 use crate::classified::{Classified, TextureKey};
 use crate::compression::Compressed;
 use crate::draw::{Bricked, Classifier, PacketScene, Pass, Pixel, draw_slices, draw_tiles};
@@ -24,7 +24,7 @@ use crate::model::SliceModel;
 use crate::occupancy::Occupancy;
 use crate::slices::Slices;
 use crate::tables::Tables;
-use crate::texture::{Blocks, Indices, Light, Luminance, Rgba, Texture, Voxels};
+use crate::texture::{Blocks, Indices, Light, Luminance, Relief, Rgba, ShadedIndices, Texture, Voxels};
 use crate::texture_slicer::{Blend, DrawOrder, Format, TextureSlicer};
 use crate::textures::{Stacks, axes_of_stack, hold};
 
@@ -96,12 +96,15 @@ impl Prepared for PreparedTextureSlicer {
         if self.scene.transfer != scene.transfer {
             self.tables = self.stats.time("table", || Tables::new(&self.renderer, scene, &volume));
         }
-        if let Some((made, _)) = &mut self.classified
+        if let Some((made, texture)) = &mut self.classified
             && (self.scene.transfer != scene.transfer
                 || self.scene.shading != scene.shading
                 || self.scene.lights != scene.lights)
         {
             *made = None;
+            if self.scene.shading != scene.shading || self.scene.lights != scene.lights {
+                texture.forget_reflections();
+            }
         }
         (self.scene, self.volume) = (scene.clone(), volume);
         Ok(())
@@ -111,7 +114,6 @@ impl Prepared for PreparedTextureSlicer {
         let scene = self.scene.clone();
         let volume = &*Arc::clone(&self.volume);
         let rays = Rays::new(view)?;
-        check_view(&self.renderer, &scene, view)?;
         control.check()?;
         let layer = scene.layer(view, control)?;
         let mut stats = std::mem::take(&mut self.stats);
@@ -137,7 +139,18 @@ impl Prepared for PreparedTextureSlicer {
         let occupancy = stats.time("cull", || self.occupancy(volume, operator, axes));
         let shading =
             scene.reflection().filter(|_| scene.compositing.integrates_light() && !self.renderer.holds_light());
-        let shading = shading.map(|s| PacketShading::new(Arc::clone(s), &scene.lights, volume.placement(), axes));
+        let shading = shading.map(|s| {
+            // A field without missing voxels is the volume's own, and lies as that does.
+            let axes = if volume.vacuum_cells().is_some() { [0, 1, 2] } else { axes };
+            PacketShading::new(Arc::clone(s), &scene.lights, volume.placement(), axes)
+        });
+        if shading.is_some() && volume.vacuum_cells().is_some() && self.compressed.is_none() {
+            hold(
+                "a volume's texture and that of its gradients",
+                2 * volume.sample_bytes() as u64,
+                self.renderer.bytes(),
+            )?;
+        }
         let tables = self.tables.of_length();
         let even = slices.are_even();
         let exact = |stored: f32, ratio: f32| {
@@ -168,7 +181,7 @@ impl Prepared for PreparedTextureSlicer {
             axes,
             on_faces,
         };
-        let finish = Finish { operator, scene: &scene, volume };
+        let finish = Finish { operator, scene: &scene, volume, compressed: self.compressed.as_deref() };
         let job = Job {
             scene: PacketScene {
                 view,
@@ -209,7 +222,7 @@ impl Prepared for PreparedTextureSlicer {
         };
         stats.counts = counts;
         control.report(1.0);
-        let depth = finish.has_depth().then(|| pixels.iter().map(|p| p.depth as f32).collect());
+        let depth = Some(pixels.iter().map(|p| p.depth as f32).collect());
         let rgba = pixels.iter().map(|p| p.rgba.map(|c| c as f32)).collect();
         Ok(Rendered { frame: Frame::new(view.size, rgba, depth), stats })
     }
@@ -299,12 +312,18 @@ impl PreparedTextureSlicer {
         stats: &mut RenderStats,
     ) -> Result<(), RenderError> {
         let format = self.renderer.format;
-        hold("the texture of light", Classified::bytes(format, volume), self.renderer.bytes())?;
-        let made = TextureKey::new(format, scene, view, slices)?;
+        hold(
+            "the texture of light",
+            Classified::bytes(format, volume, scene.reflection().is_some()),
+            self.renderer.bytes(),
+        )?;
+        let made = TextureKey::new(scene, view, slices)?;
         match &mut self.classified {
             Some((of, _)) if *of == Some(made) => {}
             Some((of, texture @ Classified::Indices { .. })) => {
-                stats.time("palette", || texture.recolor(scene, volume, &made));
+                let start = Instant::now();
+                let reflects = control.run(|| texture.recolor(scene, volume, &made));
+                stats.stages.push((if reflects { "reflect" } else { "palette" }, start.elapsed()));
                 *of = Some(made);
             }
             other => {
@@ -320,10 +339,20 @@ impl PreparedTextureSlicer {
     /// Draws through whichever texture it is.
     fn draw(&self, job: &Job<'_>, volume: &GridVolume, stack: Option<usize>) -> Drawn {
         let dims = volume.dims();
+        let relief = |axes: [usize; 3]| {
+            let samples =
+                volume.filled_floats().filter(|_| job.scene.shading.is_some() && volume.vacuum_cells().is_some());
+            samples.map(|samples| Relief::new(&Lattice { samples, dims }, axes))
+        };
         if let Some(axis) = stack {
             return with_grid!(self.stacks.of(volume, axis), g => {
                 let lattice = Lattice { samples: g.samples(), dims: g.dims() };
-                job.through(&Voxels::stack(&lattice, self.renderer.per_layer()))
+                // A point is looked for between slices, too: where a ray enters and leaves, both have their share.
+                let texture = match job.scene.pass.operator {
+                    Operator::First { .. } => Voxels::new(&lattice),
+                    _ => Voxels::stack(&lattice, self.renderer.per_layer()),
+                };
+                job.through(&texture.with_relief(relief(axes_of_stack(axis))))
             });
         }
         if let Some(compressed) = &self.compressed {
@@ -332,11 +361,15 @@ impl PreparedTextureSlicer {
         match &self.classified {
             Some((_, Classified::Rgba(texels))) => job.through(&Light { texels: Rgba(texels), dims }),
             Some((_, Classified::Luminance(texels))) => job.through(&Light { texels: Luminance(texels), dims }),
-            Some((_, Classified::Indices { texels, palette })) => {
+            Some((_, Classified::Indices { texels, palette, reflections: None })) => {
                 job.through(&Light { texels: Indices { texels, palette }, dims })
             }
+            Some((_, Classified::Indices { texels, palette, reflections: Some(reflections) })) => {
+                let colors = Indices { texels, palette };
+                job.through(&Light { texels: ShadedIndices { colors, reflections: &reflections.texels }, dims })
+            }
             None => with_grid!(volume.values(), g => {
-                job.through(&Voxels::new(&Lattice { samples: g.samples(), dims: g.dims() }))
+                job.through(&Voxels::new(&Lattice { samples: g.samples(), dims: g.dims() }).with_relief(relief([0, 1, 2])))
             }),
         }
     }

@@ -2,7 +2,7 @@
 
 use vr_core::{Control, Prepared, RenderError, Renderer, Scene, View};
 
-use crate::capabilities::{check, check_view};
+use crate::capabilities::check;
 use crate::prepared::PreparedTextureSlicer;
 use crate::texture_slicer::TextureSlicer;
 
@@ -13,10 +13,7 @@ impl Renderer for TextureSlicer {
 
     fn supports(&self, scene: &Scene, view: Option<&View>) -> Result<(), RenderError> {
         check(self, scene)?;
-        view.map_or(Ok(()), |view| {
-            view.validate()?;
-            check_view(self, scene, view)
-        })
+        view.map_or(Ok(()), |view| Ok(view.validate()?))
     }
 
     fn prepare(&self, scene: &Scene, control: &Control) -> Result<Box<dyn Prepared>, RenderError> {

@@ -30,21 +30,12 @@ fn what_it_cannot_draw_it_refuses() {
     assert!(refused(TextureSlicer { blend: Blend::BackToFront, ..plain() }, &level, &view));
     let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..scene.clone() };
     assert!(!refused(plain(), &shaded, &view));
-    assert!(refused(TextureSlicer { format: Format::PreIntegrated, ..plain() }, &shaded, &view));
     for compositing in [Compositing::Maximum, Compositing::Average, Compositing::First { threshold: 0.4 }] {
         let picked = Scene { compositing, ..scene.clone() };
         assert!(refused(TextureSlicer { blend: Blend::BackToFront, ..plain() }, &picked, &view), "nothing is blended");
     }
     let analytic = Shading { gradient: GradientMethod::Analytic, ..Shading::default() };
     assert!(refused(plain(), &Scene { shading: Some(analytic.into()), ..scene.clone() }, &view));
-    let placement = Placement::from_spacing([1.0; 3]).unwrap();
-    let mut samples = vec![0.5f32; 64];
-    samples[21] = f32::NAN;
-    let hole = UniformGrid::new([4; 3], samples, placement, Calibration::default()).unwrap();
-    let mut holed = Scene { volume: hole.into(), ..scene.clone() };
-    assert!(!refused(plain(), &holed, &view));
-    holed.shading = Some(Shading::default().into());
-    assert!(refused(plain(), &holed, &view), "no gradient beside a hole");
     // Light of a colour has three channels, and such a texture one.
     let white = ControlPoint::new(0.0, [1.0; 3], 0.5);
     let grey = TransferFunction::new(vec![white], OpacityRule::Power, 1.0).unwrap();

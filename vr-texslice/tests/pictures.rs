@@ -276,11 +276,6 @@ fn shaded_pictures_are_what_the_model_sums() {
             assert!(m.max < 1.5e-4, "{:?} {fov:?}: {m}", renderer.proxy);
         }
     }
-    let perspective = view(&scene, 33.0, 21.0, Some(40.0), 8);
-    let rgba = TextureSlicer { format: Format::Rgba, ..brute };
-    let control = Control::default();
-    let refused = rgba.prepare(&scene, &control).and_then(|mut p| p.render(&perspective, &control));
-    assert!(matches!(refused, Err(RenderError::Unsupported(Unsupported { renderer: "texslice", .. }))));
 }
 
 #[test]

@@ -36,7 +36,15 @@ fn errors_fall_with_the_step_whatever_is_hard() {
 }
 
 fn agrees_with_its_model_on(kinds: &[Kind]) {
-    for renderer in [TextureSlicer::default(), TextureSlicer { proxy: Proxy::Shells, ..TextureSlicer::default() }] {
+    let of = |format| TextureSlicer { format, ..TextureSlicer::default() };
+    for renderer in [
+        TextureSlicer::default(),
+        TextureSlicer { proxy: Proxy::Shells, ..TextureSlicer::default() },
+        of(Format::PreIntegrated),
+        of(Format::Compressed),
+        of(Format::Rgba),
+        of(Format::Paletted),
+    ] {
         // Under the other operators the model is the scene itself, which errors fall towards.
         let bound = |scene: &Scene, _: &View| {
             if scene.compositing == Compositing::Over { 2e-4 } else { f64::INFINITY }
@@ -54,7 +62,8 @@ fn agrees_with_its_model_whatever_is_hard() {
 
 #[test]
 fn an_update_is_a_new_preparation() {
-    for renderer in [TextureSlicer::default(), TextureSlicer { format: Format::Rgba, ..TextureSlicer::default() }] {
+    let of = |format| TextureSlicer { format, ..TextureSlicer::default() };
+    for renderer in [TextureSlicer::default(), of(Format::Rgba), of(Format::Paletted)] {
         for effort in [Effort::cases(32), Effort::cases(48).of_kinds(&Kind::ALL)] {
             println!("{}", update_is_prepare(&renderer, &effort).unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
         }

@@ -78,8 +78,13 @@ pub(crate) fn blend<S: Simd>(
                     let mut sum = [r.load(simd), g.load(simd), b.load(simd), a.load(simd)];
                     for j in 0..chunk.len {
                         let light = fragment_light(simd, chunk, j);
-                        let live = sample(simd, how, which, rays, j).live & light[3].simd_eq(light[3]);
+                        let Sample { live, begin, length } = sample(simd, how, which, rays, j);
+                        let live = live & light[3].simd_eq(light[3]);
                         drawn += live.to_bitmask().count_ones();
+                        let alpha = pick(live, light[3], splat(simd, 0.0));
+                        if alpha.simd_gt(splat(simd, 0.0)).any_true() {
+                            state.over.push([Lanes::new(begin), Lanes::new(length), Lanes::new(alpha)]);
+                        }
                         let clear = splat(simd, 1.0) - light[3];
                         for c in 0..4 {
                             sum[c] = pick(live, light[c] + clear * sum[c], sum[c]);
@@ -90,15 +95,17 @@ pub(crate) fn blend<S: Simd>(
                 }
                 // The largest of values, or of negated values for a minimum.
                 Operator::Extreme { sign } => {
-                    let mut best = state.value.load(simd);
+                    let (mut best, mut place) = (state.value.load(simd), state.other.load(simd));
                     for j in 0..chunk.len {
                         let value = chunk.value[j].load(simd) * sign;
-                        let live = sample(simd, how, which, rays, j).live;
+                        let Sample { live, begin, length } = sample(simd, how, which, rays, j);
                         drawn += live.to_bitmask().count_ones();
                         // False for NaN.
-                        best = pick(live & value.simd_gt(best), value, best);
+                        let better = live & value.simd_gt(best);
+                        best = pick(better, value, best);
+                        place = pick(better, begin + length, place);
                     }
-                    state.value = Lanes::new(best);
+                    (state.value, state.other) = (Lanes::new(best), Lanes::new(place));
                 }
                 Operator::Average => drawn += average(simd, how, which, rays, chunk, state),
                 // The slab in which the threshold is passed; its ray stops.

@@ -33,6 +33,31 @@ pub(crate) enum SampleSet<'a> {
 }
 
 impl SampleSet<'_> {
+    /// Positions in the middle of the segments that end at the samples `j` behind these, on faces of slabs.
+    #[inline(always)]
+    fn middle<S: Simd>(self, simd: S, rays: &Fragments, j: usize) -> [f32x16<S>; 3] {
+        let (begin, end) = (rays.begin.load(simd), rays.end.load(simd));
+        let half = splat(simd, 0.5);
+        let mut middle = [half; 3];
+        for a in 0..3 {
+            let (base, delta) = (rays.base[a].load(simd), rays.delta[a].load(simd));
+            let (first, last) = (rays.outer[0][a].load(simd), rays.outer[1][a].load(simd));
+            middle[a] = match self {
+                // The last begins at the last face within the ray, or where the ray enters.
+                SampleSet::Outer(_) => {
+                    let from = pick(begin.simd_lt(end), base + (end - 1.0) * delta, first);
+                    (from + last) * half
+                }
+                SampleSet::From(number) => {
+                    let n = number.load(simd) + j as f32;
+                    let to = base + n * delta;
+                    pick(n.simd_le(begin), (first + to) * half, base + (n - 0.5) * delta)
+                }
+            };
+        }
+        middle
+    }
+
     /// Places of the samples `j` behind these.
     #[inline(always)]
     fn place<S: Simd, X: Texture>(self, simd: S, texture: &X, rays: &Fragments, j: usize) -> Cells<S> {
@@ -59,8 +84,16 @@ pub(crate) trait Fetch<S: Simd> {
     /// Fetches samples of rays into a chunk: its `len` first ones.
     fn fetch(&mut self, simd: S, rays: &Fragments, which: SampleSet<'_>, chunk: &mut Chunk);
 
-    /// Shades the light of a chunk's samples, where there is any.
-    fn shade(&mut self, simd: S, rays: &Fragments, which: SampleSet<'_>, lit: &Lit<'_>, chunk: &mut Chunk);
+    /// Shades the light of a chunk's samples, where there is any; `segments`: that of the segments which end at them.
+    fn shade(
+        &mut self,
+        simd: S,
+        rays: &Fragments,
+        which: SampleSet<'_>,
+        segments: bool,
+        lit: &Lit<'_>,
+        chunk: &mut Chunk,
+    );
 }
 
 /// A texture, and where what is fetched from it waits.
@@ -102,13 +135,25 @@ impl<S: Simd, X: Texture> Fetch<S> for Fetcher<'_, X> {
         );
     }
 
-    fn shade(&mut self, simd: S, rays: &Fragments, which: SampleSet<'_>, lit: &Lit<'_>, chunk: &mut Chunk) {
+    fn shade(
+        &mut self,
+        simd: S,
+        rays: &Fragments,
+        which: SampleSet<'_>,
+        segments: bool,
+        lit: &Lit<'_>,
+        chunk: &mut Chunk,
+    ) {
         simd.vectorize(
             #[inline(always)]
             || {
                 for j in 0..chunk.len {
                     if chunk.light[j][3].load(simd).simd_gt(f32x16::splat(simd, 0.0)).any_true() {
-                        let at = which.place(simd, self.texture, rays, j);
+                        let at = if segments {
+                            self.texture.place_between(simd, which.middle(simd, rays, j))
+                        } else {
+                            which.place(simd, self.texture, rays, j)
+                        };
                         self.texture.shade(simd, &at, lit, &mut chunk.light[j], &mut self.stages[0]);
                     }
                 }

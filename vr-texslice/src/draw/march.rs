@@ -152,6 +152,9 @@ impl<S: Simd> March<'_, S> {
                 let lengths = std::array::from_fn(|j| Lanes(std::array::from_fn(|i| length(j, i))));
                 let backwards = pass.operator == Operator::Over;
                 integrate(simd, (table, brightest), &self.before, &lengths, backwards, chunk);
+                if let Some(lit) = &self.lit {
+                    self.texture.shade(simd, rays, which, true, lit, chunk);
+                }
                 match which {
                     SampleSet::Outer(_) => {}
                     SampleSet::From(number) => {
@@ -165,7 +168,7 @@ impl<S: Simd> March<'_, S> {
                 let outer = matches!(which, SampleSet::Outer(_));
                 classify(simd, &pass.classifier, ratio, outer, chunk);
                 if let Some(lit) = &self.lit {
-                    self.texture.shade(simd, self.rays, which, lit, chunk);
+                    self.texture.shade(simd, self.rays, which, false, lit, chunk);
                 }
             }
         }

@@ -10,10 +10,12 @@ pub(crate) struct State {
     pub(crate) sums: [[Lanes; 4]; 3],
     /// The value picked (of an average the sum of values by length), or the number of the sample that passed a test.
     pub(crate) value: Lanes,
-    /// Length, of an average; number of the sample before, of a test.
+    /// Length, of an average; number of the sample before, of a test; number of the value picked, of an extreme.
     pub(crate) other: Lanes,
     /// Rounding error of the sum of values.
     pub(crate) lost: Lanes,
+    /// Back to front: where each fragment begins, how long it is, and its opacity. What hides a half is known once all are drawn.
+    pub(crate) over: Vec<[Lanes; 3]>,
 }
 
 impl State {
@@ -30,7 +32,22 @@ impl State {
             value: Lanes([value; LANES]),
             other: Lanes::ZERO,
             lost: Lanes::ZERO,
+            over: Vec::new(),
         }
+    }
+
+    /// The number at which opacity, summed from the eye on, reaches a half, of fragments that were drawn back to front: their numbers grow towards the eye.
+    pub(crate) fn half_from_behind(&self, pixel: usize) -> f32 {
+        let mut clear = 1.0f64;
+        for fragment in self.over.iter().rev() {
+            let [begin, length, alpha] = fragment.each_ref().map(|lanes| lanes.0[pixel]);
+            let behind = clear * (1.0 - f64::from(alpha));
+            if behind <= 0.5 {
+                return begin + length * (1.0 - fraction_to_level(clear, alpha.into(), 0.5) as f32);
+            }
+            clear = behind;
+        }
+        f32::INFINITY
     }
 
     /// The number at which a pixel's opacity reaches a half, the medium being homogeneous in the slab in which it does; +∞ where it does not.

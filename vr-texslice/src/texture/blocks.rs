@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_kernels::vector::{Cells, LANES, Lanes};
+use vr_kernels::vector::{Cells, LANES, Lanes, Shade};
 
 use super::{Lit, Texture};
 use crate::compression::Compressed;
@@ -48,5 +48,19 @@ impl Texture for Blocks<'_> {
         [f0 + tz * (f1 - f0); 4]
     }
 
-    fn shade<S: Simd>(&self, _: S, _: &Cells<S>, _: &Lit<'_>, _: &mut [Lanes; 4], _: &mut Decoded) {}
+    /// By gradients of what the blocks hold: those of a smooth field are as rough as its levels.
+    #[inline(always)]
+    fn shade<S: Simd>(&self, simd: S, at: &Cells<S>, with: &Lit<'_>, light: &mut [Lanes; 4], _: &mut Decoded) {
+        let at: [[f32; LANES]; 3] = std::array::from_fn(|a| {
+            let (cell, fraction) = (at.cell[a].to_array(), at.fraction[a].to_array());
+            std::array::from_fn(|i| cell[i] as f32 + fraction[i])
+        });
+        let mut gradient = [Lanes::ZERO; 3];
+        // False for NaN, which is vacuum.
+        for i in (0..LANES).filter(|&i| light[3].0[i] > 0.0) {
+            let found: [f32; 3] = self.0.gradient_at([at[0][i], at[1][i], at[2][i]]);
+            (0..3).for_each(|a| gradient[a].0[i] = found[a]);
+        }
+        Shade { shading: with.shading, lights: with.lights }.apply_to_gradients(simd, &gradient, light);
+    }
 }

@@ -46,6 +46,22 @@ impl Texels for Indices<'_> {
     }
 }
 
+/// Indices into a palette, and what each texel reflects.
+pub(crate) struct ShadedIndices<'a> {
+    pub(crate) colors: Indices<'a>,
+    /// Factors on the three colours, and the three lights that are added to an opaque texel.
+    pub(crate) reflections: &'a [[f32; 6]],
+}
+
+impl Texels for ShadedIndices<'_> {
+    #[inline(always)]
+    fn at(&self, texel: usize) -> [f32; 4] {
+        let [r, g, b, alpha] = self.colors.at(texel);
+        let [fr, fg, fb, ar, ag, ab] = self.reflections[texel];
+        [r * fr + alpha * ar, g * fg + alpha * ag, b * fb + alpha * ab, alpha]
+    }
+}
+
 /// Light and opacity, linear along each axis.
 pub(crate) struct Light<X> {
     pub(crate) texels: X,

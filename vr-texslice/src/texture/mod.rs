@@ -5,8 +5,8 @@ mod light;
 mod voxels;
 
 pub(crate) use blocks::Blocks;
-pub(crate) use light::{Indices, Light, Luminance, Rgba};
-pub(crate) use voxels::Voxels;
+pub(crate) use light::{Indices, Light, Luminance, Rgba, ShadedIndices};
+pub(crate) use voxels::{Relief, Voxels};
 
 use fearless_simd::{Simd, f32x16};
 use vr_kernels::vector::{Cells, Lanes, PacketLights, PacketShading, cells, inside};
@@ -37,6 +37,12 @@ pub(crate) trait Texture: Sync {
 
     /// Interpolates what was fetched: light and opacity, or a value as the first of four.
     fn read<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Self::Stage) -> [f32x16<S>; 4];
+
+    /// Places of points between samples, of which nothing but the gradient is asked: in a stack, between its slices, too.
+    #[inline(always)]
+    fn place_between<S: Simd>(&self, simd: S, position: [f32x16<S>; 3]) -> Cells<S> {
+        self.place(simd, position)
+    }
 
     /// Shades light and opacity by the gradient at places. Textures that hold light are shaded when they are made.
     fn shade<S: Simd>(&self, simd: S, at: &Cells<S>, with: &Lit<'_>, light: &mut [Lanes; 4], stage: &mut Self::Stage);
