@@ -59,7 +59,7 @@ impl SlicedModel {
 
 impl DiscreteModel for SlicedModel {
     fn segments(&self, x: f64, y: f64) -> Vec<SegmentTerm> {
-        let Self { view, volume, .. } = self;
+        let view = &self.view;
         for (pass, slices) in &self.passes {
             let f = &pass.factorization;
             let texel = f.texels_of_screen() * DVec3::new(x, y, 1.0);

@@ -47,10 +47,12 @@ fn shading_in_perspective_is_as_near_as_of_parallel_rays() {
             };
             [error(&prepared.model(&view).unwrap()), error(&Model::Canonical)]
         });
-        println!("{:?}: its model and the canonical pixel: {errors:.2e?}", renderer.classification);
+        println!("{:?}: its model and the canonical pixel: {errors:.4?}", renderer.classification);
         let [[parallel, canonical], [perspective, canonical_in_perspective]] = errors;
-        assert!(perspective < 1.5 * parallel && perspective < 0.01, "{errors:?}");
-        assert!(canonical_in_perspective < 1.5 * canonical && canonical_in_perspective < 0.03, "{errors:?}");
+        // Measured, both ways to classify: 0.0003 and 0.0004 of its model; 0.005 and 0.004 at most of the canonical pixel, whose gradients are
+        // interpolated, and not what they reflect.
+        assert!(perspective < 2.0 * parallel && perspective < 0.001, "{errors:?}");
+        assert!(canonical_in_perspective < 1.5 * canonical && canonical_in_perspective < 0.008, "{errors:?}");
     }
 }
 

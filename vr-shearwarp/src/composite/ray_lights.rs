@@ -30,7 +30,7 @@ pub(crate) struct RayLights {
     ambient: f32,
     diffuse: f32,
     specular: f32,
-    power: f32,
+    power: Power,
     lights: Vec<DirectedLight>,
     /// World vector from texel (0, 0) back to the eye, not of length 1, and by how much that of the next texel to the right, and down, differs.
     to_eye: [DVec3; 3],
@@ -58,7 +58,7 @@ impl RayLights {
             ambient: shading.ambient as f32,
             diffuse: shading.diffuse as f32,
             specular: shading.specular as f32,
-            power: shading.power as f32,
+            power: Power::new(shading.power),
             lights: lights.collect(),
             to_eye: [origin, back(1.0, 0.0) - origin, back(0.0, 1.0) - origin],
         }
@@ -70,8 +70,8 @@ impl RayLights {
         let [origin, right, down] = self.to_eye;
         let first = origin + x as f64 * right + y as f64 * down;
         let steps = f32x16::load_array_ref(simd, &STEPS_F32);
-        let along = |a: usize| steps * right[a] as f32 + first[a] as f32;
-        unit(simd, [along(0), along(1), along(2)])
+        let (first, right) = (first.as_vec3(), right.as_vec3());
+        unit(simd, [steps * right.x + first.x, steps * right.y + first.y, steps * right.z + first.z])
     }
 
     /// Sixteen normals.
@@ -89,15 +89,11 @@ impl RayLights {
     fn reflected<S: Simd>(
         &self,
         simd: S,
-        [x, y, z, _]: [f32x16<S>; 4],
+        normal: &[f32x16<S>; 4],
         to_light: &Vectors<S>,
         half: &Vectors<S>,
     ) -> [f32x16<S>; 2] {
-        let one = splat(simd, 1.0);
-        let cosine = |v: &Vectors<S>| (x * v[0] + y * v[1] + z * v[2]).abs().min(one);
-        // x^p = e^(p ln x).
-        let thickness = ln(simd, cosine(half).max(splat(simd, f32::MIN_POSITIVE))).min(splat(simd, 0.0)) * -self.power;
-        [cosine(to_light), one - opacity_of_depth(simd, thickness)]
+        [cosine(simd, normal, to_light), self.power.of(simd, cosine(simd, normal, half))]
     }
 
     /// The factors on the three colours, and the light added to what is opaque, of `normals` with their weights, the sum of which is 1.
@@ -118,17 +114,14 @@ impl RayLights {
         let ambient = (one - flat) * self.ambient + flat;
         let (mut factor, mut added) = ([ambient; 3], [zero; 3]);
         for light in &self.lights {
-            let (to_light, half) = match light.to_light {
-                None => (*to_eye, *to_eye),
-                Some(d) => {
-                    let to_light = d.map(|c| splat(simd, c));
-                    let [x, y, z] = [0, 1, 2].map(|a| to_light[a] + to_eye[a]);
-                    (to_light, unit(simd, [x, y, z]))
-                }
-            };
+            let (mut to_light, mut half) = (*to_eye, *to_eye);
+            if let Some([x, y, z]) = light.to_light {
+                to_light = [splat(simd, x), splat(simd, y), splat(simd, z)];
+                half = unit(simd, [to_light[0] + to_eye[0], to_light[1] + to_eye[1], to_light[2] + to_eye[2]]);
+            }
             let (mut facing, mut highlight) = (zero, zero);
             for c in 0..CORNERS {
-                let [cosine, shine] = self.reflected(simd, normals[c], &to_light, &half);
+                let [cosine, shine] = self.reflected(simd, &normals[c], &to_light, &half);
                 let lit = weights[c] * (one - normals[c][3]);
                 facing += cosine * lit;
                 highlight += shine * lit;
@@ -140,6 +133,54 @@ impl RayLights {
             }
         }
         [factor, added]
+    }
+}
+
+/// Cosines between normals, of either side, and unit vectors.
+#[inline(always)]
+fn cosine<S: Simd>(simd: S, [x, y, z, _]: &[f32x16<S>; 4], v: &Vectors<S>) -> f32x16<S> {
+    (*x * v[0] + *y * v[1] + *z * v[2]).abs().min(splat(simd, 1.0))
+}
+
+/// The highlight's exponent.
+enum Power {
+    /// A whole one: squares do, each of which rounds; and the smallest base, whose power is nothing, so that no power is subnormal.
+    Whole(u32, f32),
+    Any(f32),
+}
+
+impl Power {
+    fn new(power: f64) -> Self {
+        /// From here on squares would leave more than 10⁻⁵.
+        const LARGEST: f64 = 128.0;
+        if power.fract() == 0.0 && power <= LARGEST {
+            return Self::Whole(power as u32, if power > 0.0 { libm::exp(-69.0 / power) as f32 } else { 0.0 });
+        }
+        Self::Any(power as f32)
+    }
+
+    /// The power of numbers in [0, 1].
+    #[inline(always)]
+    fn of<S: Simd>(&self, simd: S, x: f32x16<S>) -> f32x16<S> {
+        let one = splat(simd, 1.0);
+        match *self {
+            Self::Whole(mut power, smallest) => {
+                let (mut product, mut square) = (one, x.max(splat(simd, smallest)));
+                while power > 1 {
+                    if power & 1 == 1 {
+                        product *= square;
+                    }
+                    square *= square;
+                    power >>= 1;
+                }
+                if power == 1 { product * square } else { product }
+            }
+            // x^p = e^(p ln x).
+            Self::Any(power) => {
+                let thickness = ln(simd, x.max(splat(simd, f32::MIN_POSITIVE))).min(splat(simd, 0.0)) * -power;
+                one - opacity_of_depth(simd, thickness)
+            }
+        }
     }
 }
 
@@ -156,9 +197,8 @@ fn unit<S: Simd>(simd: S, [x, y, z]: Vectors<S>) -> Vectors<S> {
 /// Shaded light of sixteen samples.
 #[inline(always)]
 fn lit<S: Simd>([r, g, b, alpha]: [f32x16<S>; 4], [factor, added]: [Vectors<S>; 2]) -> [f32x16<S>; 4] {
-    let [r, g, b] = [[r, factor[0], added[0]], [g, factor[1], added[1]], [b, factor[2], added[2]]]
-        .map(|[light, factor, added]| light * factor + added * alpha);
-    [r, g, b, alpha]
+    let (red, green) = (r * factor[0] + added[0] * alpha, g * factor[1] + added[1] * alpha);
+    [red, green, b * factor[2] + added[2] * alpha, alpha]
 }
 
 /// True if some of sixteen samples are not nothing.
