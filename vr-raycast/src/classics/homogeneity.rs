@@ -322,9 +322,8 @@ impl Verdicts {
         let apart = |slope: f64| if slope == 0.0 { 0.0 } else { slope * deviation };
         let opacity = (largest - least).min(apart(m.steepest[0])) * self.max_light;
         let light = m.width.min(apart(m.steepest[1]) + m.beyond) * if self.emits { 1.0 } else { largest };
-        // (No number for a node without moments.)
         let share = 0.5 * self.error / self.across;
-        !deviation.is_nan() && opacity <= share && light <= share
+        opacity <= share && light <= share
     }
 
     fn of(&self, range: Range, level: u32) -> Verdict {
