@@ -102,16 +102,16 @@ fn check_texture(renderer: &TextureSlicer, scene: &Scene) -> Result<(), RenderEr
         return Err(unsupported(Feature::Setting, "stacks of 2D textures but of values"));
     }
     let bricks = renderer.brick.is_some();
-    if bricks && (renderer.format != Format::Scalar || renderer.proxy == Proxy::Stacks || scene.reflection().is_some())
-    {
+    let shaded = scene.reflection().is_some() && scene.compositing.integrates_light();
+    if bricks && (renderer.format != Format::Scalar || renderer.proxy == Proxy::Stacks || shaded) {
         return Err(unsupported(
             Feature::Setting,
             "bricks but of unshaded values in 3D textures, classified after interpolation",
         ));
     }
     let in_order = renderer.blend == Blend::FrontToBack && scene.compositing == Compositing::Over;
-    if (bricks || renderer.order == DrawOrder::Slices) && !in_order {
-        return Err(unsupported(Feature::Setting, "bricks and whole slices but under 'over', front to back"));
+    if renderer.order == DrawOrder::Slices && !in_order {
+        return Err(unsupported(Feature::Setting, "whole slices but under 'over', front to back"));
     }
     let planes_of_values = renderer.proxy == Proxy::Planes && renderer.format == Format::Scalar;
     if renderer.order == DrawOrder::Slices && (bricks || scene.reflection().is_some() || !planes_of_values) {

@@ -81,7 +81,7 @@
 //! # What it does not do
 //! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; filters other than the trilinear one; analytic gradients, and opacity that
 //! follows the gradient; colours, and lights of a colour, on luminance alone; values picked from textures of light, or back to front; stacks but of values; bricks and
-//! whole slices but of unshaded values in 3D textures, under `over`, front to back; whole slices that are shells. `maximum` and `minimum` are of samples.
+//! whole slices but of unshaded values in 3D textures; whole slices but under `over`, front to back, or that are shells. `maximum` and `minimum` are of samples.
 
 mod bricks;
 mod capabilities;
