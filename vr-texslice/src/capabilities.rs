@@ -102,16 +102,12 @@ fn check_texture(renderer: &TextureSlicer, scene: &Scene) -> Result<(), RenderEr
         return Err(unsupported(Feature::Setting, "stacks of 2D textures but of values"));
     }
     let bricks = renderer.brick.is_some();
-    if bricks && (renderer.format != Format::Scalar || renderer.proxy == Proxy::Stacks || scene.reflection().is_some())
-    {
+    let shaded = scene.reflection().is_some() && scene.compositing.integrates_light();
+    if bricks && (renderer.format != Format::Scalar || renderer.proxy == Proxy::Stacks || shaded) {
         return Err(unsupported(
             Feature::Setting,
             "bricks but of unshaded values in 3D textures, classified after interpolation",
         ));
-    }
-    let in_order = renderer.blend == Blend::FrontToBack && scene.compositing == Compositing::Over;
-    if bricks && !in_order {
-        return Err(unsupported(Feature::Setting, "bricks but under 'over', front to back"));
     }
     if bricks && renderer.order == DrawOrder::Slices {
         return Err(unsupported(

@@ -85,7 +85,7 @@
 //! # What it does not do
 //! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; filters other than the trilinear one; analytic gradients, and opacity that
 //! follows the gradient; colours, and lights of a colour, on luminance alone; values picked from textures of light, or back to front; stacks but of values; bricks
-//! but of unshaded values in 3D textures, under `over`, front to back, tile by tile: a brick's slices are drawn while it is there. `maximum` and `minimum` are of samples.
+//! but of unshaded values in 3D textures, tile by tile: a brick's slices are drawn while it is there. `maximum` and `minimum` are of samples.
 
 mod bricks;
 mod capabilities;

@@ -214,7 +214,7 @@ impl Prepared for PreparedTextureSlicer {
                 let pool = &mut self.pool;
                 stats.time("draw", || {
                     draw_bricks(&job, volume, edge as usize, self.renderer.bytes(), pool, |low, high| {
-                        !self.renderer.skip_empty_space || tables.visibility.shows(low, high)
+                        !self.renderer.skip_empty_space || operator.picks() || tables.visibility.shows(low, high)
                     })
                 })?
             }
@@ -267,7 +267,10 @@ fn draw_bricks(
     shows: impl Fn(f32, f32) -> bool + Sync,
 ) -> Drawn {
     let lattice = BrickLattice::new(volume.dims(), edge);
-    let order = lattice.front_to_back(job.scene.view, volume.placement())?;
+    let mut order = lattice.front_to_back(job.scene.view, volume.placement())?;
+    if job.scene.pass.operator == Operator::Over {
+        order.reverse();
+    }
     let ranges = RangeBlocks::of_volume(volume, edge);
     let shows = |brick: [usize; 3]| {
         let range = ranges.at(brick);

@@ -36,6 +36,41 @@ fn bricks_leave_no_seams() {
 }
 
 #[test]
+fn bricks_leave_no_seams_under_any_operator() {
+    let fog = phantom_scene::<f32>("fog", 40, 1.0);
+    let shaded = Scene { shading: Some(Shading::default().into()), ..fog.clone() };
+    let over = |blend| (Compositing::Over, blend, &fog);
+    let cases = [
+        over(Blend::FrontToBack),
+        over(Blend::BackToFront),
+        (Compositing::Accumulate { level: 0.3 }, Blend::FrontToBack, &fog),
+        (Compositing::Accumulate { level: 1.0 }, Blend::BackToFront, &fog),
+        (Compositing::Maximum, Blend::FrontToBack, &fog),
+        (Compositing::Minimum, Blend::FrontToBack, &fog),
+        (Compositing::Average, Blend::FrontToBack, &fog),
+        (Compositing::First { threshold: 0.45 }, Blend::FrontToBack, &fog),
+        (Compositing::First { threshold: 0.45 }, Blend::FrontToBack, &shaded),
+    ];
+    for (compositing, blend, scene) in cases {
+        let scene = Scene { compositing, ..scene.clone() };
+        for proxy in [Proxy::Planes, Proxy::Shells] {
+            // Slabs that are longer than a brick is wide, too.
+            for slice_spacing in [0.5, 24.0] {
+                let whole = TextureSlicer { proxy, blend, slice_spacing, ..TextureSlicer::default() };
+                let bricked = TextureSlicer { brick: Some(16), budget: 0.1, ..whole.clone() };
+                for (azimuth, elevation, fov) in VIEWS {
+                    let view = view(&scene, azimuth, elevation, fov, 40);
+                    let (a, b) = (draw(&whole, &scene, &view), draw(&bricked, &scene, &view));
+                    assert!(a.frame == b.frame, "{compositing:?} {blend:?} {proxy:?} {slice_spacing} {azimuth}");
+                    // Pixels, and depths with them.
+                    assert!(b.frame.depth().is_some() && b.stats.counts.samples > 0);
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn a_budget_too_small_is_refused() {
     let scene = phantom_scene::<u16>("fog", 40, 1.0);
     let view = view(&scene, 20.0, 10.0, None, 8);

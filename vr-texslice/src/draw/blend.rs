@@ -81,14 +81,7 @@ pub(crate) fn blend<S: Simd>(
                         let Sample { live, begin, length } = sample(simd, how, which, rays, j);
                         let live = live & light[3].simd_eq(light[3]);
                         drawn += live.to_bitmask().count_ones();
-                        let alpha = pick(live, light[3], splat(simd, 0.0));
-                        if alpha.simd_gt(splat(simd, 0.0)).any_true() {
-                            state.over.push([Lanes::new(begin), Lanes::new(length), Lanes::new(alpha)]);
-                        }
-                        let clear = splat(simd, 1.0) - light[3];
-                        for c in 0..4 {
-                            sum[c] = pick(live, light[c] + clear * sum[c], sum[c]);
-                        }
+                        sum = over(simd, live, [begin, length], light, sum, &mut state.over);
                     }
                     let [r, g, b, a] = sum;
                     state.sums[0] = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)];
@@ -100,14 +93,11 @@ pub(crate) fn blend<S: Simd>(
                         let value = chunk.value[j].load(simd) * sign;
                         let Sample { live, begin, length } = sample(simd, how, which, rays, j);
                         drawn += live.to_bitmask().count_ones();
-                        // False for NaN.
-                        let better = live & value.simd_gt(best);
-                        best = pick(better, value, best);
-                        place = pick(better, begin + length, place);
+                        [best, place] = extreme(live, [value, begin + length], [best, place]);
                     }
                     (state.value, state.other) = (Lanes::new(best), Lanes::new(place));
                 }
-                Operator::Average => drawn += average(simd, how, which, rays, chunk, state),
+                Operator::Average => drawn += averages(simd, how, which, rays, chunk, state),
                 // The slab in which the threshold is passed; its ray stops.
                 Operator::First { sign, threshold } => {
                     for j in 0..chunk.len {
@@ -169,9 +159,88 @@ fn fragment_light<S: Simd>(simd: S, chunk: &Chunk, j: usize) -> [f32x16<S>; 4] {
     [r.load(simd), g.load(simd), b.load(simd), a.load(simd)]
 }
 
-/// Values by length, with what rounding loses.
+/// Puts light over what is there, and notes where each fragment that hides something lies.
+#[inline(always)]
+pub(crate) fn over<S: Simd>(
+    simd: S,
+    live: mask32x16<S>,
+    [begin, length]: [f32x16<S>; 2],
+    light: [f32x16<S>; 4],
+    mut sum: [f32x16<S>; 4],
+    fragments: &mut Vec<[Lanes; 3]>,
+) -> [f32x16<S>; 4] {
+    let alpha = pick(live, light[3], splat(simd, 0.0));
+    if alpha.simd_gt(splat(simd, 0.0)).any_true() {
+        fragments.push([Lanes::new(begin), Lanes::new(length), Lanes::new(alpha)]);
+    }
+    let clear = splat(simd, 1.0) - light[3];
+    for c in 0..4 {
+        sum[c] = pick(live, light[c] + clear * sum[c], sum[c]);
+    }
+    sum
+}
+
+/// The larger of values and the best so far, and its place.
+#[inline(always)]
+fn extreme<S: Simd>(live: mask32x16<S>, [value, at]: [f32x16<S>; 2], [best, place]: [f32x16<S>; 2]) -> [f32x16<S>; 2] {
+    // False for NaN.
+    let better = live & value.simd_gt(best);
+    [pick(better, value, best), pick(better, at, place)]
+}
+
+/// A sum of values by length, their length, and what rounding has lost of the sum, with one more of each.
 #[inline(always)]
 fn average<S: Simd>(
+    simd: S,
+    live: mask32x16<S>,
+    [value, ratio]: [f32x16<S>; 2],
+    [sum, length, lost]: [f32x16<S>; 3],
+) -> [f32x16<S>; 3] {
+    let zero = splat(simd, 0.0);
+    let added = pick(live, value * ratio, zero);
+    let next = sum + added;
+    [next, length + pick(live, ratio, zero), lost + ((next - sum) - added)]
+}
+
+/// Takes values of sixteen rays, so long in table lengths, into what has been picked; `between`: the numbers of the sample before each and of its own. Returns
+/// the rays whose pixels are done.
+#[inline(always)]
+pub(crate) fn choose<S: Simd>(
+    simd: S,
+    operator: Operator,
+    live: mask32x16<S>,
+    between: [f32x16<S>; 2],
+    [value, ratio]: [f32x16<S>; 2],
+    state: &mut State,
+) -> mask32x16<S> {
+    let picked = [state.value.load(simd), state.other.load(simd)];
+    let none = live & !live;
+    match operator {
+        Operator::Extreme { sign } => {
+            let [best, place] = extreme(live, [value * sign, between[1]], picked);
+            (state.value, state.other) = (Lanes::new(best), Lanes::new(place));
+            none
+        }
+        Operator::Average => {
+            let there = live & value.simd_eq(value);
+            let [sum, length, lost] =
+                average(simd, there, [value, ratio], [picked[0], picked[1], state.lost.load(simd)]);
+            (state.value, state.other, state.lost) = (Lanes::new(sum), Lanes::new(length), Lanes::new(lost));
+            none
+        }
+        Operator::First { sign, threshold } => {
+            let passed = live & (value * sign).simd_ge(splat(simd, threshold * sign));
+            state.value = Lanes::new(pick(passed, between[1], picked[0]));
+            state.other = Lanes::new(pick(passed, between[0], picked[1]));
+            passed
+        }
+        _ => none,
+    }
+}
+
+/// Values by length, with what rounding loses.
+#[inline(always)]
+fn averages<S: Simd>(
     simd: S,
     how: &Blending<'_>,
     which: SampleSet<'_>,
@@ -180,7 +249,6 @@ fn average<S: Simd>(
     state: &mut State,
 ) -> u32 {
     let (mut sum, mut length, mut lost) = (state.value.load(simd), state.other.load(simd), state.lost.load(simd));
-    let zero = splat(simd, 0.0);
     let ratio = match which {
         SampleSet::Outer(end) => rays.outer_ratio[end].load(simd),
         SampleSet::From(_) => rays.ratio.load(simd),
@@ -190,11 +258,7 @@ fn average<S: Simd>(
         let value = chunk.value[j].load(simd);
         let live = sample(simd, how, which, rays, j).live & value.simd_eq(value);
         drawn += live.to_bitmask().count_ones();
-        let added = pick(live, value * ratio, zero);
-        let next = sum + added;
-        lost += (next - sum) - added;
-        sum = next;
-        length += pick(live, ratio, zero);
+        [sum, length, lost] = average(simd, live, [value, ratio], [sum, length, lost]);
     }
     (state.value, state.other, state.lost) = (Lanes::new(sum), Lanes::new(length), Lanes::new(lost));
     drawn

@@ -9,9 +9,11 @@ use vr_core::image_order::in_parallel;
 use vr_core::parallel::locked;
 use vr_core::{Control, Counts, RenderError};
 use vr_kernels::vector::{
-    Field, LANES, Lanes, Pairs, Stage, Sums, Vectorized, cells, inside, pick, run, splat, step_light,
+    Cells as Places, Field, LANES, Lanes, Operator, Pairs, Stage, Sums, Vectorized, cells, inside, pick, run,
+    share_to_level, splat, step_light,
 };
 
+use super::blend::{choose, over};
 use super::classify::Classifier;
 use super::state::State;
 use super::tiles::{Packet, PacketScene, Pixel, sixteens};
@@ -107,9 +109,13 @@ fn set_up(
         let at = places[i as usize];
         let mut rays = Fragments::EMPTY;
         run(scene.level, SetUp { scene, at, sample: k, rays: &mut rays });
+        let state = State::new(scene.pass.operator);
+        if scene.pass.operator == Operator::Over {
+            rays.turn();
+        }
         let first = |i: usize| if rays.hits >> i & 1 == 1 { rays.begin.0[i] - 1.0 } else { f32::INFINITY };
         let next = Lanes(std::array::from_fn(first));
-        Mutex::new(Waiting { at, rays, state: State::new(scene.pass.operator), next, drawn: 0, skipped: 0 })
+        Mutex::new(Waiting { at, rays, state, next, drawn: 0, skipped: 0 })
     })
 }
 
@@ -154,15 +160,18 @@ impl<T: Pairs> Vectorized for BrickRays<'_, T> {
         let mut number = next.load(simd);
         let (zero, one, never) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, f32::INFINITY));
         let max = self.dims.map(|n| (n - 1) as f32);
+        let operator = self.scene.pass.operator;
+        let level = if let Operator::Under { level } = operator { level } else { 1.0 };
         let behind = rays.max_behind(self.scene.max_radiance);
         loop {
             // The next sample of each ray: its first, a whole one, or its last.
             let (begin, end) = (rays.begin.load(simd), rays.end.load(simd));
-            let first = number.simd_lt(begin);
+            // From behind, a ray of one slab has a last one alone.
+            let first = number.simd_lt(begin) & rays.has[0].load(simd).simd_gt(zero);
             let whole = !first & number.simd_lt(end);
             // The last sample is one more than the whole ones: a ray has it, or it has a first one only.
             let last = number.simd_eq(end) & rays.has[1].load(simd).simd_gt(zero) & !first;
-            let live = (first & rays.has[0].load(simd).simd_gt(zero) & number.simd_lt(never)) | whole | last;
+            let live = (first & number.simd_lt(never)) | whole | last;
             let mut at = [zero; 3];
             for a in 0..3 {
                 let along = rays.base[a].load(simd) + number * rays.delta[a].load(simd);
@@ -195,32 +204,61 @@ impl<T: Pairs> Vectorized for BrickRays<'_, T> {
                     rays.outer_ratio[0].load(simd),
                     pick(last, rays.outer_ratio[1].load(simd), rays.ratio.load(simd)),
                 );
-                let light = classified(simd, &self.scene.pass.classifier, value, ratio, first | last);
                 let defined = value.simd_eq(value);
-                let light = [
-                    pick(defined, light[0], zero),
-                    pick(defined, light[1], zero),
-                    pick(defined, light[2], zero),
-                    pick(defined, light[3], zero),
-                ];
+                // Up to the first whole one, it is the first slab in which samples on faces lie.
+                let at_begin = whole & number.simd_le(begin);
                 let span = |which: usize| {
-                    pick(first, rays.outer_span[0][which].load(simd), rays.outer_span[1][which].load(simd))
+                    pick(first | at_begin, rays.outer_span[0][which].load(simd), rays.outer_span[1][which].load(simd))
                 };
                 let outer = first | last;
                 let (from, length) = (pick(outer, span(0), number - 0.5), pick(outer, span(1), one));
-                sums.add(simd, here & defined, [from, length], light);
+                if operator.picks() {
+                    // On faces: at the end of what lies between a sample and the one before it; nothing lies before the first.
+                    let from = pick(outer | at_begin, span(0), number - one);
+                    let to = pick(first, from, pick(last | at_begin, span(0) + span(1), number));
+                    let passed = choose(simd, operator, here, [from, to], [value, ratio], state);
+                    number = pick(passed, never, number);
+                } else {
+                    let light = classified(simd, &self.scene.pass.classifier, value, ratio, outer);
+                    let mut light = [
+                        pick(defined, light[0], zero),
+                        pick(defined, light[1], zero),
+                        pick(defined, light[2], zero),
+                        pick(defined, light[3], zero),
+                    ];
+                    match operator {
+                        Operator::Over => {
+                            let [r, g, b, a] = &state.sums[0];
+                            let sum = [r.load(simd), g.load(simd), b.load(simd), a.load(simd)];
+                            let [r, g, b, a] = over(simd, here & defined, [from, length], light, sum, &mut state.over);
+                            state.sums[0] = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)];
+                        }
+                        _ => {
+                            let mut reached = here & !here;
+                            if level < 1.0 {
+                                let (share, there) = share_to_level(simd, sums.clear(simd), light[3], level);
+                                reached = here & defined & there;
+                                light = [light[0] * share, light[1] * share, light[2] * share, light[3] * share];
+                            }
+                            sums.add(simd, here & defined, [from, length], light);
+                            number = pick(reached, never, number);
+                        }
+                    }
+                }
             } else {
                 *skipped += count;
             }
             // On to the next samples; pixels that are done stop.
             number = pick(here, number + one, number);
-            if self.scene.pass.negligible >= 0.0 {
+            if self.scene.pass.negligible >= 0.0 && matches!(operator, Operator::Under { .. }) {
                 let done = (sums.clear(simd) * behind.load(simd)).simd_le(splat(simd, self.scene.pass.negligible));
                 number = pick(done, never, number);
             }
         }
         *next = Lanes::new(number);
-        sums.store(&mut state.sums);
+        if matches!(operator, Operator::Under { .. }) {
+            sums.store(&mut state.sums);
+        }
     }
 }
 
