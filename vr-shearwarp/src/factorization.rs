@@ -52,13 +52,13 @@ impl IndexView {
     }
 
     /// World vector of an index vector.
-    pub(crate) fn to_world(&self, index: DVec3) -> DVec3 {
+    pub(crate) fn world_vector(&self, index: DVec3) -> DVec3 {
         self.axes * index
     }
 
     /// World length of an index vector.
     pub(crate) fn world_length(&self, index: DVec3) -> f64 {
-        self.to_world(index).length()
+        self.world_vector(index).length()
     }
 
     /// Origin and direction, as linear functions of (x, y, 1): the columns of two matrices.

@@ -69,7 +69,7 @@ impl DiscreteModel for SlicedModel {
                 continue;
             }
             let chord = slices.chord(at.x, at.y);
-            let along = (f.sign * view.to_world(f.step(at.x, at.y))).normalize();
+            let along = (f.sign * view.world_vector(f.step(at.x, at.y))).normalize();
             let distance = length(view, f, [at.x, at.y], self.renderer.correction) * slices.spacing;
             // What is interpolated after classification is so for one length everywhere.
             let interpolated =

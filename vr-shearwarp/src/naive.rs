@@ -270,8 +270,10 @@ fn compare<P: Code>(case: &Case) -> Differences {
         for y in 0..height {
             for x in 0..width {
                 let f = &pass.factorization;
-                let along = shading
-                    .along::<f64>(&scene.lights, index_view.to_world(f.sign * f.step(x as f64, y as f64)).normalize());
+                let along = shading.along::<f64>(
+                    &scene.lights,
+                    index_view.world_vector(f.sign * f.step(x as f64, y as f64)).normalize(),
+                );
                 // In perspective each ray sees what it does.
                 let reflection = |code: u16| match decode(code) {
                     Some(normal) if case.fov.is_some() => Reflection::new(along.reflect(normal.to_array())),

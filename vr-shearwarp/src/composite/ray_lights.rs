@@ -47,7 +47,7 @@ type Vectors<S> = [f32x16<S>; 3];
 
 impl RayLights {
     pub(crate) fn new(shading: &Shading, lights: &[Light], view: &IndexView, factorization: &Factorization) -> Self {
-        let back = |x: f64, y: f64| -factorization.sign * view.to_world(factorization.step(x, y));
+        let back = |x: f64, y: f64| -factorization.sign * view.world_vector(factorization.step(x, y));
         let origin = back(0.0, 0.0);
         let lights = lights.iter().map(|light| DirectedLight {
             to_light: light.direction.map(|d| d.normalize().as_vec3().to_array()),

@@ -9,8 +9,8 @@ use vr_core::image_order::in_parallel;
 use vr_core::parallel::locked;
 use vr_core::{Control, Counts, RenderError};
 use vr_kernels::vector::{
-    Cells as Places, Field, LANES, Lanes, Operator, Pairs, Stage, Sums, Vectorized, cells, inside, pick, run,
-    share_to_level, splat, step_light,
+    Field, LANES, Lanes, Operator, Pairs, Stage, Sums, Vectorized, cells, inside, pick, run, share_to_level, splat,
+    step_light,
 };
 
 use super::blend::{choose, over};
