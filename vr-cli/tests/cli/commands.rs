@@ -97,7 +97,7 @@ fn help_and_version() {
         ("help render", ["--gradient-opacity", "Features", "Usage: vr render", "Exit codes"]),
         ("help", ["render", "compare", "help", "Exit codes"]),
         ("help renderers", ["Features", "raycast", "shearwarp", "vr help splat"]),
-        ("help features", ["| feature | raycast |", "## shearwarp", "- scattering: ", "vr help features"]),
+        ("help features", ["| feature | raycast |", "## shearwarp", "- **scattering**: ", "vr help features"]),
         ("help raycast", ["Options of raycast", "step=", "leaping=", "screen="]),
         ("help shearwarp", ["Options of shearwarp", "slice-distance=", "warp=", "encoding="]),
         ("help texslice", ["Options of texslice", "proxy=", "format=", "brick="]),
