@@ -22,7 +22,7 @@ fn what_it_cannot_draw_it_refuses() {
     let maximum = Scene { compositing: Compositing::Maximum, ..scene.clone() };
     assert!(refused(TextureSlicer { format: Format::Rgba, ..plain() }, &maximum, &view));
     assert!(!refused(TextureSlicer { brick: Some(16), ..plain() }, &maximum, &view));
-    assert!(refused(TextureSlicer { order: DrawOrder::Slices, ..plain() }, &maximum, &view));
+    assert!(!refused(TextureSlicer { order: DrawOrder::Slices, ..plain() }, &maximum, &view));
     assert!(refused(TextureSlicer { termination: 0.5, ..plain() }, &maximum, &view), "no opacity is gathered");
     assert!(refused(TextureSlicer { order: DrawOrder::Slices, brick: Some(16), ..plain() }, &scene, &view));
     let stacks = TextureSlicer { order: DrawOrder::Slices, proxy: Proxy::Stacks, ..plain() };
