@@ -11,7 +11,7 @@ use vr_core::{
     phantom,
 };
 
-/// Kinds of scene, each with a few scenes: what an option does to none of them, it does not do to the kind.
+/// Kinds of scene, with a few scenes each. An option has no effect on a kind if it changes none of its scenes.
 fn kinds() -> Vec<(&'static str, Vec<(Scene, View)>)> {
     let scenes = || ["blobs", "shells", "shepp-logan"].map(|name| phantom::by_name(name).unwrap().scene(20).unwrap());
     let view = |scene: &Scene, fov| View::new(Camera::framing(scene.bounds(), 30.0, 20.0, fov), [40, 40]);
@@ -32,7 +32,7 @@ fn kinds() -> Vec<(&'static str, Vec<(Scene, View)>)> {
     ]
 }
 
-/// Other values of an option than one.
+/// Values to try for an option.
 fn others(spec: &OptionSpec) -> Vec<OptionValue> {
     match &spec.kind {
         OptionKind::Switch => [true, false].map(OptionValue::Switch).to_vec(),
@@ -44,7 +44,7 @@ fn others(spec: &OptionSpec) -> Vec<OptionValue> {
     }
 }
 
-/// Everything that a frame tells, but times: pixels, depths, counts, and the stages of the work.
+/// Returns all that a frame tells except times: pixels, depths, counts, and the stages of the work. `None` if a scene is refused.
 fn told(renderer: &dyn StudiedRenderer, scenes: &[(Scene, View)]) -> Option<Vec<String>> {
     let control = Control::default();
     scenes

@@ -75,13 +75,13 @@ pub(crate) struct OverJob<'a> {
     pub(crate) before: bool,
 }
 
-/// What is known about the light that normals reflect.
+/// Light that normals reflect, and the rays that it is the same for.
 pub(crate) enum Lighting<'a> {
     /// Nothing is shaded.
     None,
-    /// The same to all rays, by a normal's code.
+    /// Parallel rays: a table by the codes of normals.
     Table(&'a [Reflection]),
-    /// To each ray what it is.
+    /// Rays of many directions: computed for each.
     Rays(RayLights),
 }
 

@@ -274,7 +274,7 @@ fn compare<P: Code>(case: &Case) -> Differences {
                     &scene.lights,
                     index_view.world_vector(f.sign * f.step(x as f64, y as f64)).normalize(),
                 );
-                // In perspective each ray sees what it does.
+                // In perspective, normals reflect other light along each ray.
                 let reflection = |code: u16| match decode(code) {
                     Some(normal) if case.fov.is_some() => Reflection::new(along.reflect(normal.to_array())),
                     _ => reflections[usize::from(code)],

@@ -7,9 +7,9 @@ use vr_kernels::vector::{LANES, pick, splat, transpose};
 
 use crate::kernel::{Radial, quadrature};
 
-/// Intervals over the distance b of a line from the middle.
+/// Number of intervals of the distance b of a line from the middle.
 const ACROSS: usize = 512;
-/// Numbers of a row.
+/// Number of coefficients of a row.
 const TERMS: usize = 8;
 
 /// G(b, u) = ∫ W from the middle of a chord to the part u in [−1, 1] of its half, over the distance b of the chord from the kernel's middle: a polynomial
@@ -18,14 +18,14 @@ const TERMS: usize = 8;
 /// A splat's chord is looked up once, and sections of it in any number of sheets cost a polynomial each; sections next to each other are differences of
 /// the same function, and sum to the whole. Rows of 16 KB stay in the nearest cache.
 pub(crate) struct ChordTable {
-    /// Row by row of b; the last row, of zeros, twice.
+    /// Rows, one for each b, and two rows of zeros for b = 1.
     rows: Vec<[f32; TERMS]>,
-    /// True of the cubic spline, whose third derivative jumps at half its radius: the rows are polynomials in |u|, and last the factor of what jumps.
+    /// True for the cubic spline, whose third derivative jumps at half its radius: its rows hold a polynomial in |u|, and last the factor of the jump's term.
     bends: bool,
 }
 
 impl ChordTable {
-    /// The table of a kernel, if it is one that polynomials are near to: a cone's kink is not.
+    /// The table of a kernel; `None` for a cone, whose kink no polynomial is near to.
     pub(crate) fn new(radial: &Radial) -> Option<Self> {
         let bends = match radial.point()? {
             PointKernel::CubicSpline => true,
@@ -39,7 +39,7 @@ impl ChordTable {
         Some(Self { rows: (0..ACROSS).map(row).chain([[0.0; TERMS]; 2]).collect(), bends })
     }
 
-    /// The polynomials of chords so far from the middle, b in [0, 1].
+    /// The polynomials of chords at these distances from the middle, b in [0, 1].
     #[inline(always)]
     pub(crate) fn at<S: Simd>(&self, simd: S, b: f32x16<S>) -> ChordCourse<S> {
         let across = b * ACROSS as f32;
@@ -78,7 +78,7 @@ impl ChordTable {
 /// Polynomials of sixteen chords.
 pub(crate) struct ChordCourse<S: Simd> {
     terms: [f32x16<S>; TERMS],
-    /// Of the cubic spline: u at which it bends, and what the bend adds beyond.
+    /// For the cubic spline: the place u of the jump in its third derivative, and the constant that the jump adds beyond it.
     bend: Option<[f32x16<S>; 2]>,
 }
 
@@ -116,7 +116,7 @@ fn smooth_row(radial: &Radial, b: f64) -> [f64; TERMS] {
     std::array::from_fn(|k| powers[k] * square.sqrt() / (2 * k + 1) as f64)
 }
 
-/// The cubic spline's G without what jumps, divided by u: coefficients of u, u², …, and the factor of (at − |u|)⁴.
+/// The cubic spline's G without the jump's term, divided by u: coefficients of u, u², …, and the factor of (at − |u|)⁴.
 ///
 /// W bends by −8 (½ − t)³, and t as a function of u has the slope 2·(1 − b²)·u where t = ½.
 fn bending_row(radial: &Radial, b: f64) -> [f64; TERMS] {
@@ -126,7 +126,7 @@ fn bending_row(radial: &Radial, b: f64) -> [f64; TERMS] {
     let slope = 2.0 * square * at;
     let jump = 8.0 / std::f64::consts::PI * 8.0 * slope * slope * slope;
     let value = |u: f64| radial.at((b * b + square * u * u).sqrt());
-    // To the end itself, and closer to the middle than Chebyshev's: that halves the error.
+    // Nodes reach to the end itself, and lie closer to the middle than Chebyshev's, which halves the error.
     let chebyshev = nodes::<SMOOTH>();
     let nodes = chebyshev.map(|x| libm::pow(x / chebyshev[SMOOTH - 1], 0.8));
     let (mut sum, mut from) = (0.0, 0.0);
@@ -188,7 +188,7 @@ mod tests {
                 }
             }
             println!("{kernel}: {:.1e} of the peak", worst / peak);
-            // Nearer than the table of sections is.
+            // The bound of the table of sections is 5·10⁻⁵.
             assert!(worst < 3e-5 * peak, "{kernel}: {worst:e} of {peak}");
         }
     }

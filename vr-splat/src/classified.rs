@@ -21,7 +21,7 @@ pub(crate) struct Classified {
     pub(crate) values: OpticsTable,
     /// True if that table tells apart all that the transfer function does.
     pub(crate) resolved: bool,
-    /// The ramps themselves, of points whose table does not.
+    /// The ramps themselves, for points whose table does not tell them apart.
     pub(crate) ramps: Option<Ramps>,
 }
 

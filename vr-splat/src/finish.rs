@@ -71,7 +71,7 @@ impl<'a> Picture<'a> {
         at.pixel()
     }
 
-    /// The surface that the first value is, in the light of the scene: by the gradient where the ray meets it.
+    /// Shades the surface of a first hit, by the gradient where the ray meets it.
     fn shaded(&self, rgba: [f64; 4], state: &State, lane: usize, [x, y]: [u32; 2], seen: &SplatView) -> [f64; 4] {
         let (Operator::First { .. }, Some(shading)) = (self.operator, self.scene.reflection()) else { return rgba };
         let (Some(grid), true) = (self.scene.volume.grid(), rgba[3] > 0.0) else { return rgba };

@@ -176,7 +176,7 @@ impl PreparedSplatter {
             }
             scene.transfer.step(calibration.value(f64::from(stored)), f64::from(length)).map(|x| x as f32)
         };
-        // What is picked is shaded once, where it is.
+        // A picked value is shaded once, at its place.
         let shader = grid.filter(|_| !operator.picks()).and_then(|grid| Shader::new(scene, grid));
         // Everything that tiles share.
         let painter = Painter {

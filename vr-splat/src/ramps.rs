@@ -14,11 +14,11 @@ pub(crate) struct Ramps {
     emits: bool,
 }
 
-/// From one value to the next.
+/// A ramp, from one value to the next.
 struct Ramp {
     from: f32,
     per_width: f32,
-    /// (r, g, b, α) where it begins, and its change to where it ends.
+    /// (r, g, b, α) at its begin, and the change up to its end.
     start: [f32; 4],
     change: [f32; 4],
 }
@@ -29,7 +29,7 @@ const MAX_RAMPS: usize = 24;
 const NARROWEST: f64 = 1e-3;
 /// Largest opacity whose rest, 1 − α, f32 knows to 10⁻⁵.
 const DENSEST: f64 = 0.99;
-/// Extinction of what is opaque at any length.
+/// Extinction that stands for opaque values.
 const OPAQUE: f32 = 1e30;
 
 impl Ramps {
@@ -39,7 +39,7 @@ impl Ramps {
         let is_wide = |from: f64, to: f64| to - from >= NARROWEST * from.abs().max(to.abs());
         let finite = |x: f64| x.is_finite();
         let wide = segments.iter().all(|s| !(finite(s.from) && finite(s.to)) || is_wide(s.from, s.to));
-        // Where 1 − α is small, f32 has no places for it, unless there is no such ramp.
+        // f32 keeps too few digits of a small 1 − α.
         let dense = |s: &vr_core::transfer::Segment| s.start.opacity.max(s.end.opacity) > DENSEST && !s.is_opaque();
         let loses = transfer.rule() == OpacityRule::Power && segments.iter().any(dense);
         if !wide || loses || segments.len() > MAX_RAMPS {
@@ -74,7 +74,7 @@ impl Ramps {
             if !here.any_true() {
                 break;
             }
-            // Without a width, nothing changes, however far away it begins.
+            // A ramp without end is constant.
             let at = if ramp.per_width > 0.0 { (value - ramp.from) * ramp.per_width } else { zero };
             t = pick(here, at, t);
             for c in 0..4 {

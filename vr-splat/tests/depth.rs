@@ -14,7 +14,7 @@ fn depths(renderer: &Splatter, scene: &Scene, view: &View) -> Vec<[f64; 2]> {
     solution.pixels.iter().map(|p| p.depth).zip(found).map(|(a, b)| [a, b]).collect()
 }
 
-/// The median of the errors where both see something, and the share of pixels of which one alone sees something.
+/// Returns the median error where both see something, and the share of pixels in which only one does.
 fn compare(depths: &[[f64; 2]]) -> (f64, f64) {
     let mut errors: Vec<f64> =
         depths.iter().filter(|d| d.iter().all(|x| x.is_finite())).map(|[a, b]| (a - b).abs()).collect();
@@ -24,7 +24,7 @@ fn compare(depths: &[[f64; 2]]) -> (f64, f64) {
     (errors[errors.len() / 2], alone as f64 / depths.len() as f64)
 }
 
-/// The same scene, so many times as dense.
+/// Returns the scene with a multiple of its density.
 fn dense(scene: Scene, times: f64) -> Scene {
     let before = &scene.transfer;
     let transfer = TransferFunction::new(before.points().to_vec(), before.rule(), before.unit_distance() / times);
@@ -77,7 +77,7 @@ fn depths_come_to_those_of_the_reference() {
                 };
                 let [[a, _], [b, alone]] = [1.0, 0.125].map(of);
                 println!("{name} {} {azimuth}: {a:.1e}, {b:.1e} units; {alone:.3} alone", compositing.name());
-                // An extreme is where the middle of a sheet is; the rest is as good as the values are.
+                // An extreme is placed in the middle of its sheet; other depths are as exact as the values.
                 let bound = if scene.compositing.integrates_light() { 0.02 } else { 0.07 };
                 assert!(b < bound && alone < 0.02, "{name} {} {azimuth}: {b} {alone}", compositing.name());
             }

@@ -238,7 +238,7 @@ fn what_is_beside_missing_voxels_is_shaded() {
         let model = error_of_model(&of(1.0), &scene, &view);
         let errors = [1.0, 0.25, 0.0625].map(|d| error(&of(d), &scene, &view).rmse);
         println!("{azimuth}: model {:.1e}; {:.1e} {:.1e} {:.1e}", model.max, errors[0], errors[1], errors[2]);
-        // Holes are known to a sheet: order 1.
+        // A sheet knows a hole as a whole or not at all: order 1.
         assert!(model.max < 2e-4 && errors[2] < errors[0] / 4.0 && errors[2] < 1e-3, "{azimuth}: {model} {errors:?}");
     }
 }

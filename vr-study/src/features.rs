@@ -93,7 +93,7 @@ impl FeatureMatrix {
     }
 }
 
-/// Question to a renderer about scenes that have a feature: nothing where it has the feature, the reason where it has not.
+/// Question to a renderer about scenes that have a feature: `Ok` if it has the feature, otherwise the reason.
 type Question<'q> = &'q dyn Fn(&dyn StudiedRenderer, &[Scene], &View) -> Result<(), String>;
 
 /// Puts a question about each feature to each renderer.

@@ -17,7 +17,7 @@ pub(crate) enum Classified {
     Indices { texels: Vec<u8>, palette: Box<[[f32; 4]; 256]>, reflections: Option<Reflections> },
 }
 
-/// What voxels of a palette reflect: a palette has one colour for a value, and not one for each way that a surface may face.
+/// Light reflected by each voxel of a palette's texture. A palette holds one colour for a value, so it cannot hold the colours of all orientations of a surface.
 pub(crate) struct Reflections {
     seen: Seen,
     /// Factors on the three colours of a voxel, and the three lights that are added to an opaque one.
@@ -34,16 +34,16 @@ pub(crate) struct TextureKey {
     pub(crate) seen: Option<Seen>,
 }
 
-/// Rays by which voxels are seen: what they reflect depends on these.
+/// Rays along which voxels are seen, on which the light that they reflect depends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Seen {
     /// Parallel ones.
     Along(DVec3),
-    /// Those from an eye, each voxel by its own.
+    /// Rays from an eye, a different one for each voxel.
     From(DVec3),
 }
 
-/// Shading of voxels, the same for all that are seen along parallel rays.
+/// Shading of voxels in one view.
 struct VoxelShading<'a> {
     scene: &'a Scene,
     volume: &'a GridVolume,
@@ -52,7 +52,7 @@ struct VoxelShading<'a> {
 }
 
 impl<'a> VoxelShading<'a> {
-    /// Makes it for a view; `None` where nothing is shaded.
+    /// Makes the shading of a view; `None` where nothing is shaded.
     fn new(scene: &'a Scene, volume: &'a GridVolume, seen: Option<Seen>) -> Option<Self> {
         let (seen, shading) = (seen?, scene.reflection()?);
         let parallel = match seen {
@@ -70,7 +70,7 @@ impl<'a> VoxelShading<'a> {
             (Some(parallel), ..) => parallel.reflect(world),
             (None, Seen::From(eye), Some(shading)) => {
                 let voxel = placement.origin() + placement.axes() * DVec3::from_array(index.map(|i| i as f64));
-                // A voxel in the eye is seen from nowhere: its light has no direction, and no highlight.
+                // A voxel at the eye itself has no direction to it, and so no highlight.
                 shading.along(&self.scene.lights, (voxel - eye).normalize_or_zero()).reflect(world)
             }
             _ => ([1.0; 3], [0.0; 3]),
@@ -79,7 +79,7 @@ impl<'a> VoxelShading<'a> {
 
     /// Light and opacity of a voxel, shaded.
     fn shade(&self, [r, g, b, alpha]: [f64; 4], index: [usize; 3]) -> [f64; 4] {
-        // What is clear reflects nothing, and vacuum is NaN.
+        // A clear voxel reflects nothing; vacuum is NaN.
         if alpha.is_nan() || alpha <= 0.0 {
             return [r, g, b, alpha];
         }
@@ -147,7 +147,7 @@ impl Classified {
         }
     }
 
-    /// Takes a new transfer function, length or view over, where that needs no look at what voxels hold; returns false where nothing but the palette is new.
+    /// Takes over a new transfer function, length or view where no voxel has to be read again; returns false where only the palette is new.
     pub(crate) fn recolor(&mut self, scene: &Scene, volume: &GridVolume, made: &TextureKey) -> bool {
         let Self::Indices { palette, reflections, .. } = self else { return false };
         *palette = Codes::of(volume).palette(scene, volume, made.length);
@@ -160,7 +160,7 @@ impl Classified {
         !serves && made.seen.is_some()
     }
 
-    /// Forgets what voxels reflect: shading or lights have changed.
+    /// Forgets the light that voxels reflect, after shading or lights have changed.
     pub(crate) fn forget_reflections(&mut self) {
         if let Self::Indices { reflections, .. } = self {
             *reflections = None;
@@ -260,7 +260,7 @@ impl Codes {
         Box::new(std::array::from_fn(entry))
     }
 
-    /// The stored number that stands for another in a palette.
+    /// The stored number that stands for a given one in a palette.
     fn level(&self, stored: f64) -> f64 {
         if stored.is_nan() { stored } else { self.low + f64::from(self.index(stored)) * self.step }
     }

@@ -31,7 +31,7 @@ pub(crate) struct Slab {
 pub(crate) struct ProxyGeometry<'a> {
     setup: Setup<'a>,
     screen: ScreenProjection,
-    /// What is left of the box under the clip, before the eye.
+    /// The part of the box that the clip keeps and that lies before the eye.
     body: Body,
     /// World distance by which everything is larger than it is.
     margin: f64,
@@ -64,7 +64,7 @@ impl<'a> ProxyGeometry<'a> {
         Ok(Self { setup: *setup, screen, body, margin, extent, perspective })
     }
 
-    /// All slabs that rays can have, front to back along every ray.
+    /// Returns all slabs that rays can have, front to back along every ray.
     pub(crate) fn slabs(&self) -> Vec<Slab> {
         let mut slabs = Vec::new();
         // Rays that are parallel meet a stack in one order.
@@ -110,7 +110,7 @@ impl<'a> ProxyGeometry<'a> {
         Some((gradient, offset - gradient.dot(self.screen.eye())))
     }
 
-    /// The half spaces between which a slab lies. What a shell is for the pixels of the picture lies between two planes.
+    /// The half spaces between which a slab lies. Within the picture, a shell lies between two planes.
     fn between(&self, slab: Slab) -> [HalfSpace; 2] {
         let slices = self.setup.slices;
         let (gradient, low, high) = match self.linear(slab.falling) {
@@ -135,7 +135,7 @@ impl<'a> ProxyGeometry<'a> {
         seen.map(|face| Polygon { corners: face.corners.iter().map(project).collect() }).collect()
     }
 
-    /// False for faces that are surely turned away from the eye, of a body around a point. To draw a sliver too many costs nothing.
+    /// True unless a face of a body around a point is surely turned away from the eye. A sliver drawn in excess costs nothing.
     fn is_turned_to_eye(&self, face: &Polygon, inner: DVec3) -> bool {
         let (area, corner) = (face.area_vector(), face.corners[0]);
         let outwards = if area.dot(corner - inner) < 0.0 { -area } else { area };

@@ -71,7 +71,7 @@ fn first_points_in_stacks_and_compressed_textures() {
     let compositing = Compositing::First { threshold: 0.45 };
     let plain = phantom_scene::<f32>("fog", 32, 1.0);
     let shading = Some(Arc::new(Shading::default()));
-    // Of stacks nothing but f32 is left: 1.2·10⁻⁸, and 2.5·10⁻⁷ of depths. What compression leaves (3.3·10⁻² at the worst) is a point met or missed, and the
+    // Stacks are off by the rounding of f32 alone: 1.2·10⁻⁸, and 2.5·10⁻⁷ in depths. The error of compression (3.3·10⁻² at the worst) is that of a point met or missed, and the
     // roughness of its gradients.
     for (scene, format, proxy, bound) in [
         (Scene { compositing, ..plain.clone() }, Format::Scalar, Proxy::Stacks, 1e-6),

@@ -22,7 +22,7 @@ const OPERATORS: [Compositing; 6] = [
     Compositing::First { threshold: 0.45 },
 ];
 
-/// The pictures in both orders, tiles first; `None`: refused in both.
+/// Returns the pictures in both orders, tiles first; `None` if both orders refuse.
 fn in_both_orders(renderer: &TextureSlicer, scene: &Scene, view: &View) -> Option<[Rendered; 2]> {
     let control = Control::default();
     let of = |order| {

@@ -80,7 +80,7 @@ fn quiet_says_nothing() {
     assert!(vr.exists("vr.png"));
 }
 
-/// The page in the documentation is the one that the renderers' answers make: `vr help features > docs/features.md` writes it anew.
+/// The page in the documentation equals the renderers' answers; `vr help features > docs/features.md` writes it anew.
 #[test]
 fn the_page_of_features_is_what_renderers_answer() {
     let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/features.md")).unwrap();

@@ -11,7 +11,7 @@ use crate::tables::PreIntegrated;
 /// A [`PreIntegrated`] table in the form that lanes read: the same light as [`PreIntegrated::segment`] and [`PreIntegrated::segment3`], but for
 /// rounding. Values must be numbers.
 ///
-/// What a look-up needs of a row lies in one cache line. The few lanes that meet an opaque wall are looked up in the table itself, one by one.
+/// A row fills one cache line. The few lanes that meet an opaque wall are looked up in the table itself, one by one.
 #[derive(Clone, Debug)]
 pub struct SegmentTable {
     rows: Vec<Row>,
@@ -220,7 +220,7 @@ impl SegmentTable {
         let tau = mean[3] * length;
         let alpha = opacity_of_depth(simd, tau);
         let weight = source_weight(simd, tau, alpha) * length;
-        // What lies further in front is dimmed less.
+        // Light that comes from further in front is dimmed less.
         let fade = one / ((tau * 1.5 + 6.0) * tau + 12.0);
         let (tau_low, tau_high) = (low[3] * length, high[3] * length);
         let (square, product) = (tau * tau, tau_low * tau_high);

@@ -93,7 +93,7 @@ impl<S: Simd> Sums<S> {
         live & reached
     }
 
-    /// Adds light of one step, which may be that of a part of it only; its opacity as a whole tells where in it a half lies.
+    /// Adds the light of a step or of a part of it; `whole` is the opacity of the whole step, by which the place of opacity ½ within it is found.
     #[inline(always)]
     fn add_part(
         &mut self,

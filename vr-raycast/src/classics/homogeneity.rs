@@ -254,7 +254,7 @@ struct Medium {
     bent: [[f64; 2]; 2],
     /// Steepest slopes of κ and of the source by the value; +∞ where they jump.
     steepest: [f64; 2],
-    /// What the difference of two sources may be beyond that of their colours: by shading.
+    /// Largest difference that shading can add to that of two colours.
     beyond: f64,
     clear: bool,
 }

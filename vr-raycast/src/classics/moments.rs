@@ -14,7 +14,8 @@ use super::homogeneity::Homogeneity;
 /// the square of a mean is at most the mean of the squares: there it is a bound. Both hold for any number in the place of the mean, and so for the mean
 /// rounded to f32.
 ///
-/// Of missing samples those count that stand in for them: such nodes are never crossed at their mean. Eight bytes a node are 14 % of a volume of bytes.
+/// Missing samples count by the values that stand in for them; nodes with missing samples are never crossed at their mean. A node takes eight bytes, which is
+/// 14 % of a volume of bytes.
 #[derive(Clone, Debug)]
 pub(crate) struct Moments {
     levels: Vec<Level>,

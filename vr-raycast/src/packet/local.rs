@@ -73,7 +73,7 @@ impl<'a> LocalSteps<'a> {
     }
 }
 
-/// Returns the light of what exists.
+/// Returns the light of places that have a field; the others, in holes, are clear.
 #[inline(always)]
 fn of_field<S: Simd, T: Pairs>(
     simd: S,

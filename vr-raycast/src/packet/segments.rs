@@ -46,10 +46,10 @@ pub(crate) fn segments<S: Simd, T: Pairs>(
         Some(distances) => Some((distances, Leaper::new(simd, distances.shift, packet, medium.dims))),
         None => None,
     };
-    // From one sample to the next.
+    // Distance of two samples, in steps.
     let stride = if steps.is_parabola { 0.5 } else { 1.0 };
     let length = Lanes([steps.step; vr_kernels::vector::LANES]);
-    // The value at the begin of a step, and the place that it is from.
+    // The value at the begin of the step, and the position at which it was taken.
     let (mut front, mut known) = (splat(simd, 0.0), splat(simd, f32::INFINITY));
     let mut sums = Sums::new(simd);
     let (mut samples, mut until_look) = (0, 0);

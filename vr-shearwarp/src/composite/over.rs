@@ -16,7 +16,7 @@ use crate::lengths::Lengths;
 use crate::optics::Optics;
 use crate::reflections::Reflection;
 
-/// Nothing is shaded; normals reflect the same to all rays; or to each ray what they do.
+/// Kinds of shading: none; by a table, where normals reflect the same light along all rays; or for each ray by itself.
 pub(crate) const UNSHADED: u8 = 0;
 pub(crate) const BY_TABLE: u8 = 1;
 pub(crate) const BY_RAYS: u8 = 2;

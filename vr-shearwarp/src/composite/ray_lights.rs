@@ -18,7 +18,7 @@ use crate::codes::Code;
 use crate::factorization::{Factorization, IndexView};
 use crate::reflections::{CODES, decode};
 
-/// Unit normal of every code, and 0; of no normal, zeros and 1.
+/// Unit normal of every code, and 0; zeros and 1 for the code of no normal.
 static NORMALS: LazyLock<Vec<[f32; 4]>> = LazyLock::new(|| {
     let of = |code: usize| decode(code as u16).map_or([0.0, 0.0, 0.0, 1.0], |n| n.as_vec3().extend(0.0).to_array());
     (0..CODES).map(of).collect()
@@ -32,12 +32,12 @@ pub(crate) struct RayLights {
     specular: f32,
     power: Power,
     lights: Vec<DirectedLight>,
-    /// World vector from texel (0, 0) back to the eye, not of length 1, and by how much that of the next texel to the right, and down, differs.
+    /// World vector from texel (0, 0) back to the eye, of any length, and its change from a texel to the next one to the right, and to the one below.
     to_eye: [DVec3; 3],
 }
 
 struct DirectedLight {
-    /// Unit vector towards it; `None`: it is at the eye.
+    /// Unit vector towards the light; `None` for a light at the eye.
     to_light: Option<[f32; 3]>,
     color: [f32; 3],
 }
@@ -84,7 +84,7 @@ impl RayLights {
         transpose(rows)
     }
 
-    /// What a normal reflects of a light: the cosine to the light, and the highlight, without coefficients.
+    /// Returns the cosine between a normal and a light, and the highlight, both without the coefficients of the material.
     #[inline(always)]
     fn reflected<S: Simd>(
         &self,
@@ -144,14 +144,14 @@ fn cosine<S: Simd>(simd: S, [x, y, z, _]: &[f32x16<S>; 4], v: &Vectors<S>) -> f3
 
 /// The highlight's exponent.
 enum Power {
-    /// A whole one: squares do, each of which rounds; and the smallest base, whose power is nothing, so that no power is subnormal.
+    /// A whole exponent, found by squaring; and the smallest base that is raised, so that no power is subnormal.
     Whole(u32, f32),
     Any(f32),
 }
 
 impl Power {
     fn new(power: f64) -> Self {
-        /// From here on squares would leave more than 10⁻⁵.
+        /// Largest exponent for which the rounding of the squares stays below 10⁻⁵.
         const LARGEST: f64 = 128.0;
         if power.fract() == 0.0 && power <= LARGEST {
             return Self::Whole(power as u32, if power > 0.0 { libm::exp(-69.0 / power) as f32 } else { 0.0 });
@@ -201,7 +201,7 @@ fn lit<S: Simd>([r, g, b, alpha]: [f32x16<S>; 4], [factor, added]: [Vectors<S>; 
     [red, green, b * factor[2] + added[2] * alpha, alpha]
 }
 
-/// True if some of sixteen samples are not nothing.
+/// True if any of sixteen samples has light or opacity.
 #[inline(always)]
 fn any<S: Simd>(simd: S, [r, g, b, alpha]: [f32x16<S>; 4]) -> bool {
     (r + g + b + alpha).simd_gt(splat(simd, 0.0)).any_true()

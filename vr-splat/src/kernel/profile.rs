@@ -84,7 +84,7 @@ impl Profile {
 }
 
 impl Radial {
-    /// The kernel of scattered points that it is, if it is one.
+    /// The kernel of scattered points; `None` for kernels of grids.
     pub(crate) fn point(&self) -> Option<PointKernel> {
         match self.form {
             Form::Point(kernel) => Some(kernel),

@@ -15,7 +15,7 @@ use super::sheets::{add, cover};
 struct Chords<S: Simd> {
     course: ChordCourse<S>,
     nearest: f32x16<S>,
-    /// 1 over half their lengths, in depth; 0 for those that miss it.
+    /// 1 over half their lengths in depth; 0 for rays that miss the kernel.
     per_half: f32x16<S>,
 }
 
@@ -54,7 +54,7 @@ impl Tile<'_> {
         let channels = painter.channels();
         let bit = 1u64 << number;
         let mut start = splat(simd, first as f32 * painter.distance).max(near).min(far);
-        // ∫ up to `start`, if it is known.
+        // ∫ up to `start`; `None` before it is known.
         let (mut before, mut known) = (zero, false);
         for sheet in first..=last {
             let end = splat(simd, (sheet + 1) as f32 * painter.distance).max(near).min(far);

@@ -14,7 +14,7 @@ use crate::tile::block::Block;
 /// A kernel, prepared for its footprints.
 pub(crate) enum FootprintKernel {
     Radial(SectionTable),
-    /// The same of points whose sections are looked up by chords, too.
+    /// Adds the sections of points that are looked up by chords.
     Smooth(SectionTable, ChordTable),
     Bilinear,
     BSpline,

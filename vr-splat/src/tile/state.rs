@@ -28,7 +28,7 @@ impl State {
         seen: [Lanes([f32::INFINITY; LANES]), Lanes::ZERO, Lanes::ZERO, Lanes::ZERO],
     };
 
-    /// Depth of what is seen by one of the pixels.
+    /// Depth that one of the pixels sees.
     pub(crate) fn depth(&self, operator: Operator, lane: usize) -> f64 {
         let [at, thickness, clear, alpha] = self.seen.map(|lanes| f64::from(lanes.0[lane]));
         match operator {
@@ -63,7 +63,7 @@ impl State {
                 }
                 self.clear = Lanes::new(after);
                 let half = splat(simd, 0.5);
-                // Of the whole sheet: light may end at a level within it.
+                // The whole sheet decides, for light may end at a level within it.
                 let reaches = clear.simd_gt(half) & (clear * (one - alpha)).simd_le(half);
                 if reaches.any_true() {
                     for (seen, new) in self.seen.iter_mut().zip([from, to - from, clear, alpha]) {

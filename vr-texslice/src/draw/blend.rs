@@ -159,7 +159,7 @@ fn fragment_light<S: Simd>(simd: S, chunk: &Chunk, j: usize) -> [f32x16<S>; 4] {
     [r.load(simd), g.load(simd), b.load(simd), a.load(simd)]
 }
 
-/// Puts light over what is there, and notes where each fragment that hides something lies.
+/// Puts light over the sum so far, and notes the place of each fragment that hides something.
 #[inline(always)]
 pub(crate) fn over<S: Simd>(
     simd: S,
@@ -180,7 +180,7 @@ pub(crate) fn over<S: Simd>(
     sum
 }
 
-/// The larger of values and the best so far, and its place.
+/// Returns the larger of a value and the best one so far, and its place.
 #[inline(always)]
 fn extreme<S: Simd>(live: mask32x16<S>, [value, at]: [f32x16<S>; 2], [best, place]: [f32x16<S>; 2]) -> [f32x16<S>; 2] {
     // False for NaN.
@@ -188,7 +188,7 @@ fn extreme<S: Simd>(live: mask32x16<S>, [value, at]: [f32x16<S>; 2], [best, plac
     [pick(better, value, best), pick(better, at, place)]
 }
 
-/// A sum of values by length, their length, and what rounding has lost of the sum, with one more of each.
+/// Adds a value to a sum weighted by length, to the sum of lengths, and to the rounding error of the first.
 #[inline(always)]
 fn average<S: Simd>(
     simd: S,
@@ -202,8 +202,8 @@ fn average<S: Simd>(
     [next, length + pick(live, ratio, zero), lost + ((next - sum) - added)]
 }
 
-/// Takes values of sixteen rays, so long in table lengths, into what has been picked; `between`: the numbers of the sample before each and of its own. Returns
-/// the rays whose pixels are done.
+/// Takes a value for each of sixteen rays into the picked ones. `between` holds the numbers of the sample before and of its own, `ratio` its length in table lengths.
+/// Returns the rays whose pixels are done.
 #[inline(always)]
 pub(crate) fn choose<S: Simd>(
     simd: S,
@@ -238,7 +238,7 @@ pub(crate) fn choose<S: Simd>(
     }
 }
 
-/// Values by length, with what rounding loses.
+/// Adds a chunk's values, weighted by length, with the rounding error of the sum.
 #[inline(always)]
 fn averages<S: Simd>(
     simd: S,

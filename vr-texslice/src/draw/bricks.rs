@@ -166,7 +166,7 @@ impl<T: Pairs> Vectorized for BrickRays<'_, T> {
         loop {
             // The next sample of each ray: its first, a whole one, or its last.
             let (begin, end) = (rays.begin.load(simd), rays.end.load(simd));
-            // From behind, a ray of one slab has a last one alone.
+            // Back to front, the one sample of a ray with a single slab counts as its last.
             let first = number.simd_lt(begin) & rays.has[0].load(simd).simd_gt(zero);
             let whole = !first & number.simd_lt(end);
             // The last sample is one more than the whole ones: a ray has it, or it has a first one only.
@@ -205,7 +205,7 @@ impl<T: Pairs> Vectorized for BrickRays<'_, T> {
                     pick(last, rays.outer_ratio[1].load(simd), rays.ratio.load(simd)),
                 );
                 let defined = value.simd_eq(value);
-                // Up to the first whole one, it is the first slab in which samples on faces lie.
+                // Samples on faces up to the first whole one lie in the first slab.
                 let at_begin = whole & number.simd_le(begin);
                 let span = |which: usize| {
                     pick(first | at_begin, rays.outer_span[0][which].load(simd), rays.outer_span[1][which].load(simd))

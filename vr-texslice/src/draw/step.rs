@@ -21,7 +21,7 @@ impl<S: Simd> March<'_, S> {
     /// One slab, by the stages of all of them. What a ray takes, and in which order, is the same as slab after slab along it.
     pub(crate) fn step(&mut self, simd: S, step: &Step) {
         self.only(step.first, |march| {
-            // The first sample of others is not now.
+            // The first samples of the other rays come later.
             let (has, before) = (march.rays.has[0], march.before);
             march.rays.has[0] = chosen(step.first, &has, &Lanes::ZERO);
             march.outer(simd, 0);
@@ -35,7 +35,7 @@ impl<S: Simd> March<'_, S> {
         });
     }
 
-    /// Does something to some rays: the others neither end nor lose their last sample.
+    /// Runs a stage for some rays; the others neither end nor lose their last sample.
     fn only(&mut self, lanes: u32, draw: impl FnOnce(&mut Self)) {
         if lanes == 0 {
             return;
@@ -48,7 +48,7 @@ impl<S: Simd> March<'_, S> {
 
     /// One whole sample of some rays.
     fn one(&mut self, simd: S, step: &Step) {
-        // What lies two behind the last one is no sample, and neither does a segment begin there.
+        // There is no sample two behind the last one, and no segment begins there.
         let beyond = Lanes(self.rays.end.0.map(|end| if end == f32::NEG_INFINITY { 0.0 } else { end + 1.0 }));
         let number = chosen(step.whole, &step.number, &beyond);
         if (0..LANES).all(|i| number.0[i] >= self.rays.end.0[i]) {
@@ -69,7 +69,7 @@ impl<S: Simd> March<'_, S> {
     }
 }
 
-/// Lane by lane the one or the other.
+/// Chooses lane by lane.
 fn chosen(lanes: u32, these: &Lanes, others: &Lanes) -> Lanes {
     Lanes(std::array::from_fn(|i| if lanes >> i & 1 == 1 { these.0[i] } else { others.0[i] }))
 }

@@ -20,7 +20,7 @@ use crate::geometry::polygon_spans;
 use crate::proxy::{ProxyGeometry, Slab};
 use crate::texture::{Lit, Texture};
 
-/// Sixteens of pixels of a task.
+/// Number of sixteens of pixels in a task.
 const GROUP: usize = 64;
 
 /// Draws every slab across the whole picture, one sample of each pixel after the other: an accumulation of pictures, as cards have it.

@@ -31,7 +31,7 @@ pub fn snapped(point: DVec2) -> [i64; 2] {
 pub fn triangle_spans(corners: [[i64; 2]; 3], size: [u32; 2]) -> impl Iterator<Item = Span> {
     let [a, b, c] = corners;
     let twice_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    // So that the inside is where every edge function is positive.
+    // Every edge function is positive inside.
     let [a, b, c] = if twice_area < 0 { [a, c, b] } else { [a, b, c] };
     let edges = [[a, b], [b, c], [c, a]];
     let half = SUBPIXELS / 2;
@@ -40,7 +40,7 @@ pub fn triangle_spans(corners: [[i64; 2]; 3], size: [u32; 2]) -> impl Iterator<I
         0..0
     } else {
         let (top, bottom) = (a[1].min(b[1]).min(c[1]), a[1].max(b[1]).max(c[1]));
-        // Which of the centres on the top and the bottom count is for the edges to say.
+        // The edges decide which centres on the top and the bottom count.
         (first_centre(top - 1)).clamp(0, size[1].into())..(first_centre(bottom) + 1).clamp(0, size[1].into())
     };
     rows.filter_map(move |y| {

@@ -55,7 +55,7 @@ fn to_edges(corners: &[DVec3; 8], p: DVec3) -> f64 {
     pairs.map(|(a, b)| edge(a, b)).fold(f64::INFINITY, f64::min)
 }
 
-/// A box, whole.
+/// A whole box.
 fn body(corners: &[DVec3; 8]) -> Body {
     Body::new(corners, [])
 }
@@ -88,7 +88,7 @@ fn flat(points: &[DVec2]) -> Polygon {
     Polygon { corners: points.iter().map(|p| p.extend(0.0)).collect() }
 }
 
-/// How often each pixel is covered.
+/// Number of times that each pixel is covered.
 fn times_covered(spans: impl Iterator<Item = Span>, size: [u32; 2]) -> Vec<u32> {
     let mut counts = vec![0; (size[0] * size[1]) as usize];
     for span in spans {

@@ -10,7 +10,7 @@ use crate::texture_slicer::{Proxy, TextureSlicer};
 
 const SIZE: [u32; 2] = [48, 32];
 
-/// How well what is rasterised fits fragments, over all slabs of a view.
+/// Comparison of the rasterised pixels with the fragments that rays have, over all slabs of a view.
 #[derive(Debug, Default)]
 struct Fit {
     fragments: u32,
@@ -82,7 +82,7 @@ fn fragments_are_rasterised_and_little_else() {
                 // A sixty-fourth of a pixel along outlines.
                 assert!(fit.discarded < fit.fragments / 40, "{fit:?}");
                 assert!(fit.twice < fit.fragments / 100, "{fit:?}");
-                // What a picture of the slices alone would leave out: a twentieth and more.
+                // At least a twentieth of the fragments would be missing if the slices alone were rasterised.
                 assert!(fit.beside > fit.fragments / 20, "{fit:?}");
                 // Every layer of a stack is a quad.
                 assert!(proxy == Proxy::Planes || !whole || fit.quads >= 10, "{fit:?}");

@@ -46,7 +46,7 @@ impl Texels for Indices<'_> {
     }
 }
 
-/// Indices into a palette, and what each texel reflects.
+/// Indices into a palette, and the light that each texel reflects.
 pub(crate) struct ShadedIndices<'a> {
     pub(crate) colors: Indices<'a>,
     /// Factors on the three colours, and the three lights that are added to an opaque texel.

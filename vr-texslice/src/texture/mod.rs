@@ -38,7 +38,7 @@ pub(crate) trait Texture: Sync {
     /// Interpolates what was fetched: light and opacity, or a value as the first of four.
     fn read<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Self::Stage) -> [f32x16<S>; 4];
 
-    /// Places of points between samples, of which nothing but the gradient is asked: in a stack, between its slices, too.
+    /// Places of points between samples, where only the gradient is read; in a stack these lie between its slices.
     #[inline(always)]
     fn place_between<S: Simd>(&self, simd: S, position: [f32x16<S>; 3]) -> Cells<S> {
         self.place(simd, position)

@@ -15,7 +15,7 @@ pub(crate) struct Voxels<'a, T> {
     dims: [usize; 3],
     /// Slices to a layer along the last axis, where there is nothing between slices: of a stack of 2D textures.
     per_layer: Option<f32>,
-    /// Field of the gradients; `None`: that of the values.
+    /// Field that gradients are taken from; `None` for that of the values.
     relief: Option<Relief<'a>>,
 }
 

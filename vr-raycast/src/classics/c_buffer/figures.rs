@@ -65,7 +65,7 @@ fn a_turntable_is_wrong_without_the_proof_and_right_with_it() {
             percent(f64::from(u32::try_from(wrong[0]).unwrap()), pixels as f64),
             wrong[1],
         );
-        // On the others, what was wrong was clear in the end: blocks of cells are thicker than what can be seen in them.
+        // On the others no pixel need be wrong: a block that a claim passes over may be clear along the ray.
         assert!(name != "blobs" || wrong[0] > 0, "{name}: a proof that nothing needs");
         assert_eq!(wrong[1], 0, "{name}");
         assert!(sums.saved > 0.2 * sums.empty && sums.saved <= sums.empty, "{name}: {sums:?}");

@@ -45,7 +45,7 @@ pub(crate) struct CBuffer {
     points: Option<Points>,
     /// False in measurements alone, of pictures as they would be without the proof.
     checked: bool,
-    /// What became of the last picture's starts.
+    /// Statistics of the starts of the last picture.
     starts: Starts,
 }
 
@@ -152,7 +152,7 @@ impl CBuffer {
             let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
             tracer.trace(&spots, Some(&starts), &mut values, &mut counts);
             {
-                // The last of a pixel's has met all. Each pixel has a place of its own: the order of tiles shows nowhere.
+                // The last ray of a pixel holds the results of all of them. Each pixel has its own entry, so the order of tiles has no influence.
                 let mut found = found.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                 all_met.into_iter().for_each(|(pixel, met)| found[pixel] = met);
             }
