@@ -78,7 +78,7 @@ impl<S: Simd> Sums<S> {
     }
 
     /// Adds the light and opacity of one step, as [`add`](Self::add) does, up to an opacity `level`: of the step that reaches it, only the part before
-    /// counts. Returns the live rays that reach it; nothing must be added behind it.
+    /// counts. Returns the live rays that reach it; nothing must be added behind it. A level of 1 cuts nothing.
     #[inline(always)]
     pub fn add_up_to(
         &mut self,
@@ -86,8 +86,14 @@ impl<S: Simd> Sums<S> {
         level: f32,
         live: mask32x16<S>,
         step: [f32x16<S>; 2],
-        [r, g, b, alpha]: [f32x16<S>; 4],
+        light: [f32x16<S>; 4],
     ) -> mask32x16<S> {
+        // Two ways in the place of a share of 1: that would take a register from rays that are not cut.
+        if level >= 1.0 {
+            self.add(simd, live, step, light);
+            return live & !live;
+        }
+        let [r, g, b, alpha] = light;
         let (share, reached) = share_to_level(simd, self.clear(simd), alpha, level);
         self.add_part(simd, live, step, [r * share, g * share, b * share, alpha * share], alpha);
         live & reached

@@ -1,9 +1,9 @@
 //! Cells without a field, for sixteen places at once.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, mask32x16};
+use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_core::VacuumCells;
-use vr_kernels::vector::{Cells, LANES, Lanes, splat};
+use vr_kernels::vector::{Cells, LANES, Lanes, pick, splat};
 
 /// Those of some lanes whose places have a field.
 #[inline(always)]
@@ -18,6 +18,23 @@ pub(crate) fn there<S: Simd>(
     let fraction = [place.fraction[0].to_array(), place.fraction[1].to_array(), place.fraction[2].to_array()];
     let exists = existing(vacuum, &cell, &fraction);
     lanes & exists.load(simd).simd_gt(splat(simd, 0.0))
+}
+
+/// Returns the light of places that have a field; the others, in holes, are clear. (Masks of lanes would take registers from volumes without any.)
+#[inline(always)]
+pub(crate) fn outside_holes<S: Simd>(
+    simd: S,
+    vacuum: Option<&VacuumCells>,
+    place: &Cells<S>,
+    lanes: mask32x16<S>,
+    light: [f32x16<S>; 4],
+) -> [f32x16<S>; 4] {
+    if vacuum.is_none() {
+        return light;
+    }
+    let (exists, zero) = (there(simd, vacuum, place, lanes), splat(simd, 0.0));
+    let [r, g, b, a] = light;
+    [pick(exists, r, zero), pick(exists, g, zero), pick(exists, b, zero), pick(exists, a, zero)]
 }
 
 /// 1 for each place that has a field, 0 for the others.

@@ -120,6 +120,18 @@ impl<S: Simd> Leaper<S> {
         Self { shift, edge, per_index, sign, face, margin: largest * MARGIN }
     }
 
+    /// Prepares a packet for leaps by distances, if there are any.
+    #[inline(always)]
+    pub(crate) fn over<'a>(
+        simd: S,
+        distances: Option<&'a Distances>,
+        packet: &Packet,
+        dims: [usize; 3],
+    ) -> Option<(&'a Distances, Self)> {
+        let distances = distances?;
+        Some((distances, Self::new(simd, distances.shift, packet, dims)))
+    }
+
     /// Returns the steps from a position to the point where it leaves the box of blocks nearer than `distance` to its own.
     #[inline(always)]
     pub(crate) fn exit(&self, simd: S, position: [f32x16<S>; 3], cells: &Cells<S>, distance: f32x16<S>) -> f32x16<S> {

@@ -1,10 +1,10 @@
 //! March of packets in steps of the length that each place asks for.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, mask32x16};
+use fearless_simd::{Simd, f32x16};
 use vr_kernels::vector::{Cells, LANES, Lanes, PacketLights, Pairs, Stage, Sums, pick, splat, step_light};
 
-use super::gaps::there;
+use super::gaps::outside_holes;
 use super::leap::{Leaper, block_index};
 use super::march::{Medium, PacketResult, Path, finish, shaded};
 use super::setup::Packet;
@@ -71,23 +71,6 @@ impl<'a> LocalSteps<'a> {
         }
         length.min(longest.load(simd))
     }
-}
-
-/// Returns the light of places that have a field; the others, in holes, are clear.
-#[inline(always)]
-fn of_field<S: Simd, T: Pairs>(
-    simd: S,
-    medium: &Medium<'_, T>,
-    cells: &Cells<S>,
-    live: mask32x16<S>,
-    light: [f32x16<S>; 4],
-) -> [f32x16<S>; 4] {
-    if medium.vacuum.is_none() {
-        return light;
-    }
-    let (exists, zero) = (there(simd, medium.vacuum, cells, live), splat(simd, 0.0));
-    let [r, g, b, a] = light;
-    [pick(exists, r, zero), pick(exists, g, zero), pick(exists, b, zero), pick(exists, a, zero)]
 }
 
 /// Walks each ray on its own: over clear blocks to their end, and through the rest in steps of the length that the block of their
@@ -164,23 +147,15 @@ pub(crate) fn local<S: Simd, T: Pairs>(
         let optics_then = rows.at(simd, medium.field.value(simd, &cells_then, next));
         let light = step_light(simd, optics, length, medium.optics.emits);
         let light = shaded(simd, medium, lights, live, &ray, (&cells, length), light, now);
-        let light = of_field(simd, medium, &cells, live, light);
+        let light = outside_holes(simd, medium.vacuum, &cells, live, light);
         let light_then = step_light(simd, optics_then, length_then, medium.optics.emits);
         let light_then = shaded(simd, medium, lights, live, &ray, (&cells_then, length_then), light_then, next);
-        let light_then = of_field(simd, medium, &cells_then, live, light_then);
-        if medium.level < 1.0 {
-            stop = pick(sums.add_up_to(simd, medium.level, live, [at, length], light), never, stop);
-        } else {
-            sums.add(simd, live, [at, length], light);
-        }
+        let light_then = outside_holes(simd, medium.vacuum, &cells_then, live, light_then);
+        stop = pick(sums.add_up_to(simd, medium.level, live, [at, length], light), never, stop);
         stop = pick((sums.clear(simd) * max_light).simd_le(negligible), never, stop);
         live = visible & then.simd_lt(stop - REST);
         samples += live.to_bitmask().count_ones();
-        if medium.level < 1.0 {
-            stop = pick(sums.add_up_to(simd, medium.level, live, [then, length_then], light_then), never, stop);
-        } else {
-            sums.add(simd, live, [then, length_then], light_then);
-        }
+        stop = pick(sums.add_up_to(simd, medium.level, live, [then, length_then], light_then), never, stop);
         stop = pick((sums.clear(simd) * max_light).simd_le(negligible), never, stop);
         at = pick(live, then + length_then, then);
     }

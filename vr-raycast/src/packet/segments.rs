@@ -41,11 +41,7 @@ pub(crate) fn segments<S: Simd, T: Pairs>(
     let max_light = max_light.load(simd);
     let mut at = packet.first.load(simd);
     let mut end = packet.end.load(simd);
-    #[allow(clippy::manual_map, reason = "a closure would not be inlined for certain")]
-    let leaper = match steps.distances {
-        Some(distances) => Some((distances, Leaper::new(simd, distances.shift, packet, medium.dims))),
-        None => None,
-    };
+    let leaper = Leaper::over(simd, steps.distances, packet, medium.dims);
     // Distance of two samples, in steps.
     let stride = if steps.is_parabola { 0.5 } else { 1.0 };
     let length = Lanes([steps.step; vr_kernels::vector::LANES]);
@@ -100,17 +96,17 @@ pub(crate) fn segments<S: Simd, T: Pairs>(
             let mut light = [Lanes::ZERO; 4];
             steps.table.parabola(simd, &values, &length, bits, &mut light);
             let light = look(simd, medium, lights, live, &ray, [middle, one], &light, now);
-            end = composite(simd, medium, &mut sums, live, [at, one], light, end);
+            end = pick(sums.add_up_to(simd, medium.level, live, [at, one], light), never, end);
         } else {
             let two = middle.simd_lt(end);
             samples += bits.count_ones() + (live & two).to_bitmask().count_ones();
             let mut light = [[Lanes::ZERO; 4]; 2];
             steps.table.lines(simd, &values, &length, bits, &mut light);
             let first = look(simd, medium, lights, live, &ray, [at + 0.5, one], &light[0], now);
-            end = composite(simd, medium, &mut sums, live, [at, one], first, end);
+            end = pick(sums.add_up_to(simd, medium.level, live, [at, one], first), never, end);
             live = middle.simd_lt(end);
             let second = look(simd, medium, lights, live, &ray, [middle + 0.5, one], &light[1], next);
-            end = composite(simd, medium, &mut sums, live, [middle, one], second, end);
+            end = pick(sums.add_up_to(simd, medium.level, live, [middle, one], second), never, end);
         }
         end = pick((sums.clear(simd) * max_light).simd_le(negligible), never, end);
         at = then;
@@ -139,7 +135,7 @@ pub(crate) fn segments<S: Simd, T: Pairs>(
             steps.table.lines(simd, &values, &length, bits, &mut light);
         }
         let light = look(simd, medium, lights, live, &ray, [end + ratio * 0.5, ratio], &light[0], now);
-        composite(simd, medium, &mut sums, live, [end, ratio], light, end);
+        sums.add_up_to(simd, medium.level, live, [end, ratio], light);
     }
     finish(simd, &sums, packet, end.simd_le(never), samples)
 }
@@ -195,23 +191,4 @@ fn look<S: Simd, T: Pairs>(
     }
     let (_, cells) = ray.cells(simd, medium, middle);
     shaded(simd, medium, lights, live, ray, (&cells, length), light, stage)
-}
-
-/// Adds the light of steps to that of the rays, and returns where these end: nowhere further where a level cuts them.
-#[inline(always)]
-fn composite<S: Simd, T: Pairs>(
-    simd: S,
-    medium: &Medium<'_, T>,
-    sums: &mut Sums<S>,
-    live: mask32x16<S>,
-    step: [f32x16<S>; 2],
-    light: [f32x16<S>; 4],
-    end: f32x16<S>,
-) -> f32x16<S> {
-    if medium.level < 1.0 {
-        let reached = sums.add_up_to(simd, medium.level, live, step, light);
-        return pick(reached, splat(simd, f32::NEG_INFINITY), end);
-    }
-    sums.add(simd, live, step, light);
-    end
 }

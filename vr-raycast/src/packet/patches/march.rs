@@ -183,21 +183,12 @@ fn through<S: Simd, P: Patches, I: Iterator<Item = Part>>(
         // Composite them front to back.
         samples += bits.count_ones();
         let step = [begin + number * length, length];
-        let mut cut = !live & live;
-        if medium.level < 1.0 {
-            cut = sums.add_up_to(simd, medium.level, live, step, light);
-        } else {
-            sums.add(simd, live, step, light);
-        }
+        let cut = sums.add_up_to(simd, medium.level, live, step, light);
         let ended = cut | live & (sums.clear(simd) * max_light).simd_le(negligible);
         let on = twice & !ended;
         samples += (on.to_bitmask() as u32).count_ones();
         let step = [begin + then * length, length];
-        if medium.level < 1.0 {
-            cut |= sums.add_up_to(simd, medium.level, on, step, light_then);
-        } else {
-            sums.add(simd, on, step, light_then);
-        }
+        let cut = cut | sums.add_up_to(simd, medium.level, on, step, light_then);
         let ended = cut | live & (sums.clear(simd) * max_light).simd_le(negligible);
         steps.number = Lanes::new(number + 2.0);
         let after = left - 2.0;
