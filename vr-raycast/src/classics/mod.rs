@@ -28,8 +28,9 @@ pub use template::Connectivity;
 use std::any::Any;
 use std::sync::Arc;
 
+use glam::DVec3;
 use vr_core::{
-    Compositing, Control, Feature, Filter, GridVolume, IndexRay, Layer, Real, RenderError, Rendered, Scene, View,
+    Compositing, Control, Feature, Filter, GridVolume, IndexRay, Layer, Ray, Real, RenderError, Rendered, Scene, View,
 };
 use vr_kernels::ranges::RangeBlocks;
 
@@ -137,6 +138,17 @@ impl Coherence {
         let same_light = then.transfer == now.transfer && then.compositing == now.compositing;
         then.volume.same(&now.volume) && same_light
     }
+}
+
+/// Returns the number of whole steps of a ray that end before a distance: none of them can be seen, rounding included, if nothing before it can.
+fn steps_before(part: &IndexRay, distance: f64, step: f64) -> u32 {
+    // `as` saturates.
+    ((distance - part.start) / step).floor() as u32
+}
+
+/// Returns the distance along a ray at which it reaches a depth, which is measured along the view.
+fn distance_at_depth(part: &IndexRay, ray: &Ray, forward: DVec3, depth: f64) -> f64 {
+    depth / ray.direction.dot(forward) - part.offset
 }
 
 /// Returns the test for the values of a field that can be seen.

@@ -28,7 +28,7 @@ use std::sync::Mutex;
 use vr_core::{Control, Counts, GridVolume, IndexRay, Layer, Rays, Real, RenderError, RenderStats, Rendered, View};
 use vr_kernels::ranges::RangeBlocks;
 
-use super::light_seen;
+use super::{distance_at_depth, light_seen, steps_before};
 use crate::engine::Engine;
 use crate::leap::{ExactCloud, Leaper, VisibleBlocks};
 use crate::render_tables::{RenderTables, TablesByPrecision};
@@ -121,8 +121,7 @@ impl CBuffer {
             let clear = first.unwrap_or(part.end);
             let claim = match claims[pixel] {
                 0.0 => part.start,
-                // Depth is measured along the view, distance along the ray.
-                depth => (depth / ray.direction.dot(forward) - part.offset).max(part.start),
+                depth => distance_at_depth(&part, &ray, forward, depth).max(part.start),
             };
             let wrong = claim > clear && first.is_some();
             let start = if wrong && checked { clear } else { claim.min(part.end) };
@@ -133,8 +132,7 @@ impl CBuffer {
                 empty: clear - part.start,
                 saved: start - part.start,
             });
-            // `as` saturates. No step that ends before the distance, rounding included, can be seen.
-            ((start - part.start) / step).floor() as u32
+            steps_before(&part, start, step)
         };
         let found = Mutex::new(vec![Met::default(); claims.len()]);
         let frame = by_tiles(view, control, &mut stats, &|pixels| {

@@ -46,7 +46,7 @@ use vr_core::{
     Control, Counts, GridVolume, IndexRay, Layer, Ray, Rays, Real, RenderError, RenderStats, Rendered, View,
 };
 
-use super::light_seen;
+use super::{distance_at_depth, light_seen, steps_before};
 use crate::engine::Engine;
 use crate::leap::Visibility;
 use crate::render_tables::TablesByPrecision;
@@ -63,68 +63,53 @@ impl CoherenceBuffer {
         Some(Self::new(volume, sight))
     }
 
-    /// Draws a view, as [`coherent`] does.
+    /// Draws a view, each ray from where something can be seen first; rays that cannot see anything are not traced.
+    ///
+    /// `step` is the world length of the steps of the tracer's lattice.
     pub(crate) fn draw(
         &mut self,
         tracer: &dyn Tracer,
         volume: &GridVolume,
         step: f64,
-        seen: (&View, Option<&Layer>),
+        (view, layer): (&View, Option<&Layer>),
         control: &Control,
     ) -> Result<Rendered, RenderError> {
-        coherent(tracer, self, volume, step, seen, control)
+        let mut stats = RenderStats::default();
+        let rays = Rays::new(view)?;
+        let forward = view.camera.frame()?.z_axis;
+        let near = stats.time("projection", || self.project(volume, view, control))?;
+        let first_step = |ray: &Ray, pixel: usize, depth: f64| {
+            let far = layer.map_or(f64::INFINITY, |l| l.depth(pixel));
+            let part = IndexRay::new(ray, volume.placement(), volume.dims(), &view.clip, far)?;
+            Some(steps_before(&part, distance_at_depth(&part, ray, forward, depth), step))
+        };
+        let frame = by_tiles(view, control, &mut stats, &|pixels| {
+            let (mut spots, mut starts) = (Vec::with_capacity(pixels.len()), Vec::with_capacity(pixels.len()));
+            for &pixel in pixels {
+                let depth = near.at(pixel);
+                if depth < f64::INFINITY {
+                    for spot in spots_of_pixel(view, pixel) {
+                        starts.push(first_step(&rays.at(spot.x, spot.y), spot.pixel, depth).unwrap_or(0));
+                        spots.push(spot);
+                    }
+                }
+            }
+            let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
+            tracer.trace(&spots, Some(&starts), &mut values, &mut counts);
+            let mut traced = values.chunks_exact((view.supersampling * view.supersampling) as usize);
+            let mean = |&[x, y]: &[u32; 2]| {
+                if near.at([x, y]) < f64::INFINITY {
+                    return RaySample::mean(traced.next().expect("a value for each ray"));
+                }
+                let pixel = y as usize * view.size[0] as usize + x as usize;
+                layer.map_or(RaySample::NOTHING, |l| RaySample::NOTHING.over(l, pixel))
+            };
+            (pixels.iter().map(mean).collect(), counts)
+        })?;
+        Ok(Rendered { frame, stats })
     }
 }
 
 fn sight<R: Real>(visibility: Visibility<R>) -> Sight {
     Arc::new(move |low, high| visibility.shows(low, high))
-}
-
-/// Draws a view, each ray from where something can be seen first; rays that cannot see anything are not traced.
-///
-/// `step` is the world length of the steps of the tracer's lattice.
-fn coherent(
-    tracer: &dyn Tracer,
-    buffer: &mut CoherenceBuffer,
-    volume: &GridVolume,
-    step: f64,
-    (view, layer): (&View, Option<&Layer>),
-    control: &Control,
-) -> Result<Rendered, RenderError> {
-    let mut stats = RenderStats::default();
-    let rays = Rays::new(view)?;
-    let forward = view.camera.frame()?.z_axis;
-    let near = stats.time("projection", || buffer.project(volume, view, control))?;
-    let first_step = |ray: &Ray, pixel: usize, depth: f64| {
-        let far = layer.map_or(f64::INFINITY, |l| l.depth(pixel));
-        let part = IndexRay::new(ray, volume.placement(), volume.dims(), &view.clip, far)?;
-        // Depth is measured along the view, distance along the ray.
-        let distance = depth / ray.direction.dot(forward) - part.offset;
-        // `as` saturates. No step that ends before the distance, rounding included, can be seen.
-        Some(((distance - part.start) / step).floor() as u32)
-    };
-    let frame = by_tiles(view, control, &mut stats, &|pixels| {
-        let (mut spots, mut starts) = (Vec::with_capacity(pixels.len()), Vec::with_capacity(pixels.len()));
-        for &pixel in pixels {
-            let depth = near.at(pixel);
-            if depth < f64::INFINITY {
-                for spot in spots_of_pixel(view, pixel) {
-                    starts.push(first_step(&rays.at(spot.x, spot.y), spot.pixel, depth).unwrap_or(0));
-                    spots.push(spot);
-                }
-            }
-        }
-        let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
-        tracer.trace(&spots, Some(&starts), &mut values, &mut counts);
-        let mut traced = values.chunks_exact((view.supersampling * view.supersampling) as usize);
-        let mean = |&[x, y]: &[u32; 2]| {
-            if near.at([x, y]) < f64::INFINITY {
-                return RaySample::mean(traced.next().expect("a value for each ray"));
-            }
-            let pixel = y as usize * view.size[0] as usize + x as usize;
-            layer.map_or(RaySample::NOTHING, |l| RaySample::NOTHING.over(l, pixel))
-        };
-        (pixels.iter().map(mean).collect(), counts)
-    })?;
-    Ok(Rendered { frame, stats })
 }
