@@ -1,6 +1,6 @@
 //! The field of a grid at one place, for callers that need no more than that.
 
-use crate::central_differences::gradient_between_samples;
+use crate::central_differences::{gradient_at_sample, gradient_between_samples};
 use crate::filter::{Lattice, Reconstruction};
 use crate::grid_volume::{GridVolume, LatticeVisitor, SamplerVisitor};
 use crate::sampler::Sampler;
@@ -33,6 +33,15 @@ impl LatticeVisitor for CentralDifferencesAt {
     }
 }
 
+struct CentralDifferencesAtSample([usize; 3]);
+
+impl LatticeVisitor for CentralDifferencesAtSample {
+    type Output = [f64; 3];
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> [f64; 3] {
+        gradient_at_sample(&lattice, self.0)
+    }
+}
+
 impl GridVolume {
     /// Stored number that the filter makes at a place in index space; NaN in vacuum. Each call finds the sampler anew: code that asks often takes it
     /// from [`GridVolume::with_sampler`].
@@ -60,5 +69,10 @@ impl GridVolume {
     /// Central differences of the stored numbers per index step, linear between the samples, at a place in index space.
     pub fn central_differences_at(&self, index: [f64; 3]) -> [f64; 3] {
         self.with_lattice(CentralDifferencesAt(index))
+    }
+
+    /// Central differences of the stored numbers per index step at a sample.
+    pub fn central_differences_at_sample(&self, index: [usize; 3]) -> [f64; 3] {
+        self.with_lattice(CentralDifferencesAtSample(index))
     }
 }

@@ -3,12 +3,11 @@
 use std::sync::Arc;
 
 use vr_core::field::FieldLine;
-use vr_core::filter::{Lattice, Nearest, Reconstruction, Trilinear};
+use vr_core::filter::{Nearest, Reconstruction, Trilinear};
 use vr_core::image_order::ImageSample;
 use vr_core::{
-    ColorGrid, Compositing, Control, Counts, Feature, Field, Filter, GradientMethod, GridVolume, IndexRay,
-    LatticeVisitor, Layer, Light, Model, Ray, RenderError, Sampler, SamplerVisitor, Scene, Shading, Unsupported, View,
-    Volume, Voxel, gradient_at_sample,
+    ColorGrid, Compositing, Control, Counts, Feature, Field, Filter, GradientMethod, GridVolume, IndexRay, Layer,
+    Light, Model, Ray, RenderError, Sampler, SamplerVisitor, Scene, Shading, Unsupported, View, Volume, Voxel,
 };
 
 use crate::colored_line::ColoredLine;
@@ -224,7 +223,7 @@ impl SamplerVisitor for GridRay<'_> {
     fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> RayResult {
         let Self { solver, volume, colors, placement, chord, .. } = self;
         let optics = solver.optics(self.ray);
-        let at_sample = |index: [usize; 3]| volume.with_lattice(SampleGradient(index));
+        let at_sample = |index: [usize; 3]| volume.central_differences_at_sample(index);
         let source = match solver.shading.as_ref().map(|s| s.gradient) {
             None => GradientSource::None,
             Some(GradientMethod::Analytic) => GradientSource::Analytic,
@@ -242,15 +241,6 @@ impl SamplerVisitor for GridRay<'_> {
                 solver.answer(&line, &optics, self.query)
             }
         }
-    }
-}
-
-struct SampleGradient([usize; 3]);
-
-impl LatticeVisitor for SampleGradient {
-    type Output = [f64; 3];
-    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> [f64; 3] {
-        gradient_at_sample(&lattice, self.0)
     }
 }
 

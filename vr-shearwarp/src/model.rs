@@ -4,12 +4,8 @@
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use vr_core::filter::Lattice;
 use vr_core::optics::step_of_thickness;
-use vr_core::{
-    Classification, DiscreteModel, GridVolume, LatticeVisitor, RenderError, Scene, SegmentTerm, View, Voxel,
-    gradient_at_sample,
-};
+use vr_core::{Classification, DiscreteModel, GridVolume, RenderError, Scene, SegmentTerm, View, Voxel};
 
 use crate::capabilities::last_sample;
 use crate::factorization::IndexView;
@@ -167,15 +163,8 @@ impl SlicedModel {
 
     /// Reflection of the normal at a sample to a ray `along` a world direction: factor and summand of light.
     fn reflection(&self, index: [usize; 3], along: DVec3) -> ([f64; 3], [f64; 3]) {
-        struct At([usize; 3]);
-        impl LatticeVisitor for At {
-            type Output = [f64; 3];
-            fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> [f64; 3] {
-                gradient_at_sample::<T, f64>(&lattice, self.0)
-            }
-        }
         let volume = &*self.volume;
-        let gradient = volume.placement().gradient_to_world(volume.with_lattice(At(index)).into());
+        let gradient = volume.placement().gradient_to_world(volume.central_differences_at_sample(index).into());
         let shading = self.scene.shading.as_ref().expect("asked for where something is shaded");
         shading.along::<f64>(&self.scene.lights, along).reflect(gradient.to_array())
     }

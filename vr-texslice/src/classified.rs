@@ -1,11 +1,8 @@
 //! Textures of light, made from a volume: classified, and shaded, voxel by voxel.
 
 use glam::DVec3;
-use vr_core::filter::Lattice;
 use vr_core::parallel::each_part;
-use vr_core::{
-    GridVolume, LatticeVisitor, ParameterError, RayShading, Scene, View, Voxel, gradient_at_sample, with_grid,
-};
+use vr_core::{GridVolume, ParameterError, RayShading, Scene, Shading, View, Voxel, with_grid};
 
 use crate::slices::Slices;
 use crate::texture_slicer::Format;
@@ -47,33 +44,41 @@ pub(crate) enum Seen {
 struct VoxelShading<'a> {
     scene: &'a Scene,
     volume: &'a GridVolume,
-    seen: Seen,
-    parallel: Option<RayShading<f64>>,
+    shading: &'a Shading,
+    rays: VoxelRays,
+}
+
+/// Rays along which voxels are seen, prepared for shading.
+enum VoxelRays {
+    /// Parallel rays share what is constant along each of them.
+    Parallel(RayShading<f64>),
+    /// Rays from an eye.
+    From(DVec3),
 }
 
 impl<'a> VoxelShading<'a> {
     /// Makes the shading of a view; `None` where nothing is shaded.
     fn new(scene: &'a Scene, volume: &'a GridVolume, seen: Option<Seen>) -> Option<Self> {
         let (seen, shading) = (seen?, scene.reflection()?);
-        let parallel = match seen {
-            Seen::Along(direction) => Some(shading.along(&scene.lights, direction)),
-            Seen::From(_) => None,
+        let rays = match seen {
+            Seen::Along(direction) => VoxelRays::Parallel(shading.along(&scene.lights, direction)),
+            Seen::From(eye) => VoxelRays::From(eye),
         };
-        Some(Self { scene, volume, seen, parallel })
+        Some(Self { scene, volume, shading, rays })
     }
 
     /// Factor on a voxel's colour, and light that is added to an opaque one.
     fn reflect(&self, index: [usize; 3]) -> ([f64; 3], [f64; 3]) {
         let placement = self.volume.placement();
-        let world = placement.gradient_to_world(self.volume.with_lattice(GradientAtSample(index)).into()).to_array();
-        match (&self.parallel, self.seen, self.scene.reflection()) {
-            (Some(parallel), ..) => parallel.reflect(world),
-            (None, Seen::From(eye), Some(shading)) => {
-                let voxel = placement.origin() + placement.axes() * DVec3::from_array(index.map(|i| i as f64));
+        let gradient = self.volume.central_differences_at_sample(index);
+        let world = placement.gradient_to_world(gradient.into()).to_array();
+        match &self.rays {
+            VoxelRays::Parallel(shading) => shading.reflect(world),
+            VoxelRays::From(eye) => {
+                let voxel = placement.to_world(DVec3::from_array(index.map(|i| i as f64)));
                 // A voxel at the eye itself has no direction to it, and so no highlight.
-                shading.along(&self.scene.lights, (voxel - eye).normalize_or_zero()).reflect(world)
+                self.shading.along(&self.scene.lights, (voxel - *eye).normalize_or_zero()).reflect(world)
             }
-            _ => ([1.0; 3], [0.0; 3]),
         }
     }
 
@@ -86,17 +91,6 @@ impl<'a> VoxelShading<'a> {
         let (factor, added) = self.reflect(index);
         let lit = |light: f64, c: usize| light * factor[c] + added[c] * alpha;
         [lit(r, 0), lit(g, 1), lit(b, 2), alpha]
-    }
-}
-
-/// Gradient at a voxel per index step; missing neighbours are filled in as the field's gradients have it.
-struct GradientAtSample([usize; 3]);
-
-impl LatticeVisitor for GradientAtSample {
-    type Output = [f64; 3];
-
-    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> [f64; 3] {
-        gradient_at_sample::<T, f64>(&lattice, self.0)
     }
 }
 
@@ -176,7 +170,7 @@ impl Reflections {
             let ([a, b, c], [d, e, f]) = shading.reflect(index);
             [a, b, c, d, e, f].map(|x| x as f32)
         });
-        Some(Self { seen: shading.seen, texels })
+        Some(Self { seen: seen?, texels })
     }
 }
 
