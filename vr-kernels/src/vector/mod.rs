@@ -29,7 +29,7 @@ pub use modulation::{Modulation, StepOptics};
 pub use operator::Operator;
 pub use rows::{packed, rows_of, transpose, transpose_packed};
 pub use segments::SegmentTable;
-pub use shade::{PacketLights, PacketShading, SeenLights, Shade, reflect};
+pub use shade::{PacketLights, PacketShading, SeenLights, Shade, power_of, reflect};
 pub use stencils::Stencils;
 pub use sums::{Sums, share_to_level};
 pub use table::{OpticsTable, Rows, step_light};

@@ -260,16 +260,21 @@ pub fn reflect<S: Simd>(simd: S, shading: &Shading, lights: &PacketLights, w: [f
     let mut sums = [ambient, ambient, ambient, zero, zero, zero];
     for seen in &lights.lights {
         let facing = (dot(simd, n, &seen.to_light) * norm).abs().min(one) * diffuse;
-        // x^p = e^(p ln x).
-        let highlight = (dot(simd, n, &seen.half) * norm).abs().min(one);
-        let highlight = ln(simd, highlight.max(splat(simd, f32::MIN_POSITIVE))).min(zero) * -power;
-        let highlight = (one - opacity_of_depth(simd, highlight)) * specular;
+        let highlight = power_of(simd, (dot(simd, n, &seen.half) * norm).abs().min(one), power) * specular;
         for c in 0..3 {
             sums[c] += facing * seen.color[c];
             sums[3 + c] += highlight * seen.color[c];
         }
     }
     sums
+}
+
+/// Powers of numbers in [0, 1] with an exponent of at least 0.
+#[inline(always)]
+pub fn power_of<S: Simd>(simd: S, x: f32x16<S>, exponent: f32) -> f32x16<S> {
+    // x^p = e^(p ln x).
+    let depth = ln(simd, x.max(splat(simd, f32::MIN_POSITIVE))).min(splat(simd, 0.0)) * -exponent;
+    splat(simd, 1.0) - opacity_of_depth(simd, depth)
 }
 
 /// Gradients per index step, and how they change over a step of an extent in index space: central differences at the voxels, one-sided at the faces of

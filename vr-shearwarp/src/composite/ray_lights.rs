@@ -9,7 +9,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16};
 use glam::DVec3;
 use vr_core::{Light, Shading};
-use vr_kernels::vector::{LANES, ln, opacity_of_depth, pick, splat, transpose};
+use vr_kernels::vector::{LANES, pick, power_of, splat, transpose};
 
 use super::cells::{Edges, Places, STEPS_F32};
 use super::kernel::Chunk;
@@ -175,11 +175,7 @@ impl Power {
                 }
                 if power == 1 { product * square } else { product }
             }
-            // x^p = e^(p ln x).
-            Self::Any(power) => {
-                let thickness = ln(simd, x.max(splat(simd, f32::MIN_POSITIVE))).min(splat(simd, 0.0)) * -power;
-                one - opacity_of_depth(simd, thickness)
-            }
+            Self::Any(power) => power_of(simd, x, power),
         }
     }
 }
