@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 use vr_core::{Calibration, Compositing, Frame, Layer, Scene, View};
-
 use vr_kernels::vector::Operator;
 
 use crate::projection::SplatView;

@@ -9,7 +9,6 @@ use crate::splat::Splat;
 
 use super::Tile;
 use super::footprint::Passing;
-use super::sheets::{add, cover};
 
 /// Chords of sixteen rays through a kernel.
 struct Chords<S: Simd> {
@@ -51,8 +50,6 @@ impl Tile<'_> {
         let meets = half.simd_gt(zero);
         let per_half = pick(meets, one / pick(meets, half, one), zero);
         let chords = Chords { course: table.at(simd, passing.distance), nearest: passing.nearest, per_half };
-        let channels = painter.channels();
-        let bit = 1u64 << number;
         let mut start = splat(simd, first as f32 * painter.distance).max(near).min(far);
         // ∫ up to `start`; `None` before it is known.
         let (mut before, mut known) = (zero, false);
@@ -69,15 +66,14 @@ impl Tile<'_> {
             }
             let section = (after - before).max(zero) * factor;
             (before, known) = (after, true);
-            let slot = (sheet & (painter.ring - 1)) as usize;
-            let place = self.place_of(slot, number);
-            let sheet = &mut self.sheets[place..place + channels];
-            add(simd, sheet, section, at.value, optics);
-            if let [_, to_back, to_front] = sheet {
-                cover(simd, to_back, to_front, [start, end], [enter, leave]);
-            }
+            self.add_section(
+                simd,
+                [sheet as usize, number],
+                section,
+                (at.value, optics),
+                Some([[start, end], [enter, leave]]),
+            );
             start = end;
-            self.touched[slot] |= bit;
         }
     }
 }

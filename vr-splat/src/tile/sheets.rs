@@ -59,7 +59,6 @@ impl Tile<'_> {
             _ => [0.0; 4],
         };
         let channels = painter.channels();
-        let bit = 1u64 << number;
         match painter.kernel {
             FootprintKernel::Smooth(_, chords) => self.add_chords(simd, chords, number, splat_, optics, [first, last]),
             // Differences of partial integrals from one sheet's face to the next.
@@ -75,15 +74,14 @@ impl Tile<'_> {
                     // Radial kernels are nowhere negative; tables and rounding might be.
                     let section = (after - before).max(splat(simd, 0.0)) * factor;
                     before = after;
-                    let slot = (sheet & (painter.ring - 1)) as usize;
-                    let at = self.place_of(slot, number);
-                    let sheet = &mut self.sheets[at..at + channels];
-                    add(simd, sheet, section, splat_.value, optics);
-                    if let [_, to_back, to_front] = sheet {
-                        cover(simd, to_back, to_front, [start, end], [enter, leave]);
-                    }
+                    self.add_section(
+                        simd,
+                        [sheet as usize, number],
+                        section,
+                        (splat_.value, optics),
+                        Some([[start, end], [enter, leave]]),
+                    );
                     start = end;
-                    self.touched[slot] |= bit;
                 }
             }
             // Products along the axes, in the middle of each sheet.
@@ -102,13 +100,30 @@ impl Tile<'_> {
                     // Values are divided by weights: lengths, which may be 0, must not be in both.
                     let section = if channels == 2 { weight } else { weight * factor * (end - start) };
                     start = end;
-                    let slot = (sheet & (painter.ring - 1)) as usize;
-                    let at = self.place_of(slot, number);
-                    add(simd, &mut self.sheets[at..at + channels], section, splat_.value, optics);
-                    self.touched[slot] |= bit;
+                    self.add_section(simd, [sheet as usize, number], section, (splat_.value, optics), None);
                 }
             }
         }
+    }
+
+    /// Adds a section to a sheet of a block. `reach`: the depths of the sheet's faces, and of the support's ends.
+    #[inline(always)]
+    pub(super) fn add_section<S: Simd>(
+        &mut self,
+        simd: S,
+        [sheet, number]: [usize; 2],
+        section: f32x16<S>,
+        (value, optics): (f32, [f32; 4]),
+        reach: Option<[[f32x16<S>; 2]; 2]>,
+    ) {
+        let slot = sheet & (self.painter.ring as usize - 1);
+        let at = self.place_of(slot, number);
+        let channels = &mut self.sheets[at..at + self.painter.channels()];
+        add(simd, channels, section, value, optics);
+        if let ([_, to_back, to_front], Some([faces, support])) = (channels, reach) {
+            cover(simd, to_back, to_front, faces, support);
+        }
+        self.touched[slot] |= 1 << number;
     }
 
     /// Composites a sheet, and clears it. A function of its own: a call is for a sheet, and it is compiled once.
@@ -156,7 +171,7 @@ impl Tile<'_> {
 
 /// Takes note of what a support covers of a sheet: how far its front is from the sheet's back, and its back from the sheet's front.
 #[inline(always)]
-pub(super) fn cover<S: Simd>(
+fn cover<S: Simd>(
     simd: S,
     to_back: &mut Lanes,
     to_front: &mut Lanes,
