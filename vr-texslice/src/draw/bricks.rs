@@ -15,6 +15,8 @@ use vr_kernels::vector::{
 
 use super::blend::{choose, over};
 use super::classify::Classifier;
+use super::march::PacketResult;
+use super::picture::Picture;
 use super::state::State;
 use super::tiles::{Packet, PacketScene, Pixel, sixteens};
 use crate::bricks::{BrickLattice, Cells, Pool};
@@ -39,16 +41,14 @@ struct Waiting {
     state: State,
     /// The next sample of each ray: the first is numbered one less than the whole ones, the last one more. +∞: no more.
     next: Lanes,
-    drawn: u64,
-    skipped: u64,
+    done: PacketResult,
 }
 
 impl<T: Pairs> Bricked<'_, T> {
     pub(crate) fn draw(&self, pool: &mut Pool<T>, control: &Control) -> Result<(Vec<Pixel>, Counts), RenderError> {
         let scene = self.scene;
         let view = scene.view;
-        let mut sums = vec![Pixel::NOTHING; view.size[0] as usize * view.size[1] as usize];
-        let mut counts = Counts::default();
+        let mut picture = Picture::new(view.size);
         let n = view.supersampling;
         for k in 0..n * n {
             let places = sixteens(view.size);
@@ -83,18 +83,12 @@ impl<T: Pairs> Bricked<'_, T> {
                 })?;
             }
             for waiting in rays {
-                let Waiting { at, rays, state, drawn, skipped, .. } =
+                let Waiting { at, rays, state, done, .. } =
                     waiting.into_inner().unwrap_or_else(PoisonError::into_inner);
-                counts.rays += u64::from(rays.hits.count_ones());
-                counts.samples += drawn;
-                counts.skipped += skipped;
-                at.finish(scene, &rays, &state, |number, pixel| sums[number] = sums[number].plus(&pixel));
+                picture.add(scene, &at, &rays, &state, done);
             }
         }
-        if n > 1 {
-            sums.iter_mut().for_each(|pixel| *pixel = pixel.times(1.0 / f64::from(n * n)));
-        }
-        Ok((sums, counts))
+        Ok(picture.mean(n * n))
     }
 }
 
@@ -115,7 +109,7 @@ fn set_up(
         }
         let first = |i: usize| if rays.hits >> i & 1 == 1 { rays.begin.0[i] - 1.0 } else { f32::INFINITY };
         let next = Lanes(std::array::from_fn(first));
-        Mutex::new(Waiting { at, rays, state, next, drawn: 0, skipped: 0 })
+        Mutex::new(Waiting { at, rays, state, next, done: PacketResult::default() })
     })
 }
 
@@ -153,7 +147,7 @@ impl<T: Pairs> Vectorized for BrickRays<'_, T> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Waiting { rays, state, next, drawn, skipped, .. } = self.waiting;
+        let Waiting { rays, state, next, done, .. } = self.waiting;
         let field = self.texture.map(Field::new);
         let mut stage = Stage::<T>::default();
         let mut sums = Sums::load(simd, &state.sums);
@@ -196,7 +190,7 @@ impl<T: Pairs> Vectorized for BrickRays<'_, T> {
             let count = u64::from(here.to_bitmask().count_ones());
             // Fetches, classifies and composites them.
             if let Some(field) = &field {
-                *drawn += count;
+                done.drawn += count;
                 field.fetch(simd, &places, &mut stage);
                 let value = field.value(simd, &places, &stage);
                 let ratio = pick(
@@ -246,13 +240,13 @@ impl<T: Pairs> Vectorized for BrickRays<'_, T> {
                     }
                 }
             } else {
-                *skipped += count;
+                done.skipped += count;
             }
             // On to the next samples; pixels that are done stop.
             number = pick(here, number + one, number);
             if self.scene.pass.negligible >= 0.0 && matches!(operator, Operator::Under { .. }) {
-                let done = (sums.clear(simd) * behind.load(simd)).simd_le(splat(simd, self.scene.pass.negligible));
-                number = pick(done, never, number);
+                let hidden = (sums.clear(simd) * behind.load(simd)).simd_le(splat(simd, self.scene.pass.negligible));
+                number = pick(hidden, never, number);
             }
         }
         *next = Lanes::new(number);

@@ -5,6 +5,7 @@ mod bricks;
 mod chunk;
 mod classify;
 mod march;
+mod picture;
 mod state;
 mod step;
 mod tiles;

@@ -12,6 +12,7 @@ use vr_kernels::vector::{LANES, Lanes, Operator, PacketLights, Vectorized, run};
 
 use super::chunk::{Chunk, Fetch, Fetcher};
 use super::march::{March, PacketResult};
+use super::picture::Picture;
 use super::state::State;
 use super::step::Step;
 use super::tiles::{Packet, PacketScene, Pixel, sixteens};
@@ -35,8 +36,7 @@ pub(crate) fn draw_slices<X: Texture>(
     if scene.pass.operator == Operator::Over {
         slabs.reverse();
     }
-    let mut pixels = vec![Pixel::NOTHING; size[0] as usize * size[1] as usize];
-    let mut counts = Counts::default();
+    let mut picture = Picture::new(size);
     let n = scene.view.supersampling;
     for sample in 0..n * n {
         let places = sixteens(size);
@@ -57,16 +57,10 @@ pub(crate) fn draw_slices<X: Texture>(
         }
         for waiting in held.into_iter().map(Mutex::into_inner) {
             let Held { at, rays, state, done, .. } = waiting.unwrap_or_else(PoisonError::into_inner);
-            counts.rays += u64::from(rays.hits.count_ones());
-            counts.samples += done.drawn;
-            counts.skipped += done.skipped;
-            at.finish(scene, &rays, &state, |number, pixel| pixels[number] = pixels[number].plus(&pixel));
+            picture.add(scene, &at, &rays, &state, done);
         }
     }
-    if n > 1 {
-        pixels.iter_mut().for_each(|pixel| *pixel = pixel.times(1.0 / f64::from(n * n)));
-    }
-    Ok((pixels, counts))
+    Ok(picture.mean(n * n))
 }
 
 /// Sets the bits of the pixels of a slab, in the masks of their sixteens; returns which of these were touched.
