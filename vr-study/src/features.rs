@@ -11,7 +11,7 @@ use vr_core::{
     AmrGrid, Calibration, Camera, CellMesh, Clip, ColorGrid, Compositing, Control, ControlPoint, FacetHit, Feature,
     Filter, GradientMethod, GridVolume, Layer, Light, NamedSetting, OpacityRule, Placement, Plane, PointKernel,
     PointSet, Ray, RectilinearGrid, RenderError, Scene, Shading, StudiedRenderer, SurfaceTracer, Surfaces,
-    TransferFunction, UniformGrid, Unsupported, View, Volume,
+    TransferFunction, UniformGrid, View, Volume,
 };
 
 /// Answer of a renderer for a feature.
@@ -47,14 +47,15 @@ pub struct FeatureMatrix {
 impl FeatureMatrix {
     /// Asks renderers for every feature.
     pub fn of(renderers: &[Box<dyn StudiedRenderer>]) -> Self {
-        let mut rows = answers(renderers, scenes(), &draws);
+        let scenes = scenes();
+        let (_, any, view) = scenes[0].clone();
+        let mut rows = answers(renderers, scenes, &draws);
         let promises = |renderer: &dyn StudiedRenderer, _: &[Scene], _: &View| match renderer.with_max_error(1e-3) {
             Some(Ok(_)) => Ok(()),
             Some(Err(error)) => Err(error.to_string()),
             None => Err("no bound of its error is known".to_owned()),
         };
-        let any = scenes().into_iter().take(1).map(|(_, scene, view)| ("a promised error", scene, view));
-        rows.extend(answers(renderers, any, &promises));
+        rows.extend(answers(renderers, [("a promised error", any, view)], &promises));
         Self { renderers: renderers.iter().map(|renderer| renderer.name()).collect(), rows }
     }
 
@@ -139,15 +140,15 @@ fn draws(renderer: &dyn StudiedRenderer, scenes: &[Scene], view: &View) -> Resul
             Err(refusal) => refusals.push(refusal),
         }
     }
-    let of_the_feature = refusals.iter().find_map(|refusal| match refusal {
-        RenderError::Unsupported(Unsupported { feature: Feature::VolumeKind | Feature::Scattering, .. }) => None,
-        RenderError::Unsupported(refusal) => Some(refusal.what.clone()),
-        other => Some(other.to_string()),
-    });
-    Err(of_the_feature.unwrap_or_else(|| match &refusals[0] {
+    let is_of_another = |refusal: &&RenderError| {
+        let kinds = [Feature::VolumeKind, Feature::Scattering];
+        matches!(refusal, RenderError::Unsupported(refusal) if kinds.contains(&refusal.feature))
+    };
+    let of_the_feature = refusals.iter().find(|refusal| !is_of_another(refusal));
+    Err(match of_the_feature.unwrap_or(&refusals[0]) {
         RenderError::Unsupported(refusal) => refusal.what.clone(),
         other => other.to_string(),
-    }))
+    })
 }
 
 /// Asks a renderer whether its frames of any of these scenes have depths.
