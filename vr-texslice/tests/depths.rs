@@ -37,6 +37,29 @@ fn the_order_of_blending_does_not_move_what_is_seen() {
 }
 
 #[test]
+fn a_cut_in_the_slab_where_opacity_reaches_a_half_does_not_move_what_is_seen() {
+    let scene = phantom_scene::<f32>("fog", 32, 3.0);
+    let (view, mut seen) = (view(&scene, 33.0, 21.0, None, 24), 0);
+    // Slabs of four voxels, so that many hold both places; bricks as well.
+    for brick in [None, Some(16)] {
+        let renderer = TextureSlicer { brick, slice_spacing: 4.0, ..TextureSlicer::brute_force() };
+        let depths = |compositing| {
+            let drawn = draw(&renderer, &Scene { compositing, ..scene.clone() }, &view);
+            drawn.frame.depth().unwrap().to_vec()
+        };
+        let whole = depths(Compositing::Over);
+        for level in [0.55, 0.8] {
+            for (cut, whole) in depths(Compositing::Accumulate { level }).into_iter().zip(&whole) {
+                // The same sums up to there; f32 tells 10⁻⁶ of a distance of a few units apart.
+                assert!(cut == *whole || (cut - whole).abs() < 2e-5, "{brick:?} {level}: {cut} {whole}");
+                seen += u32::from(cut.is_finite());
+            }
+        }
+    }
+    assert!(seen > 500, "{seen}");
+}
+
+#[test]
 fn extremes_are_where_they_are_and_means_are_nowhere() {
     for compositing in [Compositing::Maximum, Compositing::Minimum] {
         for proxy in [Proxy::Planes, Proxy::Shells, Proxy::Stacks] {

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
-use vr_kernels::vector::{LANES, Lanes, Operator, Sums, pick, share_to_level, splat};
+use vr_kernels::vector::{LANES, Lanes, Operator, Sums, pick, splat};
 
 use super::chunk::{Chunk, SampleSet};
 use super::state::State;
@@ -54,13 +54,7 @@ pub(crate) fn blend<S: Simd>(
                             ];
                         }
                         drawn += live.to_bitmask().count_ones();
-                        let mut reached = live & !live;
-                        if level < 1.0 {
-                            let (share, here) = share_to_level(simd, sums.clear(simd), light[3], level);
-                            reached = live & here;
-                            light = [light[0] * share, light[1] * share, light[2] * share, light[3] * share];
-                        }
-                        sums.add(simd, live, [begin, length], light);
+                        let reached = sums.add_up_to(simd, level, live, [begin, length], light);
                         if level < 1.0 {
                             stop(rays, reached.to_bitmask() as u32);
                         }

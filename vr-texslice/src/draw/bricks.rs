@@ -9,8 +9,7 @@ use vr_core::image_order::in_parallel;
 use vr_core::parallel::locked;
 use vr_core::{Control, Counts, RenderError};
 use vr_kernels::vector::{
-    Field, LANES, Lanes, Operator, Pairs, Stage, Sums, Vectorized, cells, inside, pick, run, share_to_level, splat,
-    step_light,
+    Field, LANES, Lanes, Operator, Pairs, Stage, Sums, Vectorized, cells, inside, pick, run, splat, step_light,
 };
 
 use super::blend::{choose, over};
@@ -214,7 +213,7 @@ impl<T: Pairs> Vectorized for BrickRays<'_, T> {
                     number = pick(passed, never, number);
                 } else {
                     let light = classified(simd, &self.scene.pass.classifier, value, ratio, outer);
-                    let mut light = [
+                    let light = [
                         pick(defined, light[0], zero),
                         pick(defined, light[1], zero),
                         pick(defined, light[2], zero),
@@ -228,13 +227,7 @@ impl<T: Pairs> Vectorized for BrickRays<'_, T> {
                             state.sums[0] = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)];
                         }
                         _ => {
-                            let mut reached = here & !here;
-                            if level < 1.0 {
-                                let (share, there) = share_to_level(simd, sums.clear(simd), light[3], level);
-                                reached = here & defined & there;
-                                light = [light[0] * share, light[1] * share, light[2] * share, light[3] * share];
-                            }
-                            sums.add(simd, here & defined, [from, length], light);
+                            let reached = sums.add_up_to(simd, level, here & defined, [from, length], light);
                             number = pick(reached, never, number);
                         }
                     }
