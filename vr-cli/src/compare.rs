@@ -302,6 +302,7 @@ struct Json<'a> {
     renderers: Vec<RendererJson<'a>>,
     output: String,
     /// The sheet, and the single pictures if they were asked for.
+    #[serde(serialize_with = "output_file::as_texts")]
     files: &'a [PathBuf],
     notes: &'a [String],
 }

@@ -13,7 +13,7 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::inputs::Inputs;
 use crate::resampled::{self, Account};
-use crate::{number, volume_setup};
+use crate::{number, output_file, volume_setup};
 
 /// Writes a volume in another format, changed if flags ask for it.
 ///
@@ -180,6 +180,7 @@ struct Json<'a> {
     dims: [usize; 3],
     #[serde(rename = "type")]
     voxel_type: &'static str,
+    #[serde(serialize_with = "output_file::as_texts")]
     files: Vec<PathBuf>,
     /// Account of the resampling of a volume that is no grid.
     resampled: Option<Account>,

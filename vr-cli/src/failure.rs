@@ -3,6 +3,8 @@
 use std::fmt;
 use std::process::ExitCode;
 
+use crate::interrupt;
+
 /// Failure of a command. Its text is one line.
 #[derive(Debug)]
 pub enum Failure {
@@ -12,6 +14,8 @@ pub enum Failure {
     Failed(String),
     /// Error bound that is not proven for every pixel, after everything was done and written: exit code 3.
     Unproven(String),
+    /// Work that Ctrl-C has ended: exit code 130.
+    Cancelled(String),
 }
 
 impl Failure {
@@ -31,14 +35,22 @@ impl Failure {
             Self::Usage(_) => ExitCode::from(2),
             Self::Failed(_) => ExitCode::from(1),
             Self::Unproven(_) => ExitCode::from(3),
+            Self::Cancelled(_) => ExitCode::from(interrupt::EXIT_CODE),
         }
+    }
+
+    /// Returns the same as the failure of a command that was cancelled.
+    pub fn cancelled(self) -> Self {
+        Self::Cancelled(self.to_string())
     }
 }
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Usage(message) | Self::Failed(message) | Self::Unproven(message) => f.write_str(message),
+            Self::Usage(message) | Self::Failed(message) | Self::Unproven(message) | Self::Cancelled(message) => {
+                f.write_str(message)
+            }
         }
     }
 }

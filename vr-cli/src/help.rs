@@ -17,7 +17,8 @@ Exit codes:
   0  done; an error bound that was asked for (--max-error) is proven for every pixel
   1  failed: a file, the scene in it, the disk, a check that did not pass
   2  wrong usage: the command line asks for something impossible, or for writing over a file that is read
-  3  done and written, but the error bound could not be proven for every pixel; stderr says for how many, even under --quiet";
+  3  done and written, but the error bound could not be proven for every pixel; stderr says for how many, even under --quiet
+  130  ended by Ctrl-C; nothing is half written";
 
 /// Last lines of the short help of commands that draw.
 const MORE: &str = "\

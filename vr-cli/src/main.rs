@@ -8,6 +8,7 @@ mod annotate;
 mod args;
 mod bench;
 mod bench_report;
+mod blank;
 mod camera_flags;
 mod canvas;
 mod compare;
@@ -29,6 +30,7 @@ mod inputs;
 mod interrupt;
 mod joint_histogram;
 mod mask;
+mod memory_limit;
 mod model_costs;
 mod number;
 mod output_file;
@@ -57,6 +59,7 @@ mod text;
 mod tf;
 mod tf_picture;
 mod tf_plane;
+mod threads;
 mod transfer_box;
 mod verify;
 mod volume_setup;
@@ -65,7 +68,6 @@ mod wrapping;
 use std::process::ExitCode;
 
 use clap::CommandFactory;
-use vr_core::Control;
 
 use crate::args::{Cli, Command};
 use crate::console::Console;
@@ -84,13 +86,11 @@ fn main() -> ExitCode {
 fn run() -> Result<(), Failure> {
     let Cli { global, command } = Cli::from_command_line()?;
     let console = Console { quiet: global.quiet, json: global.json };
-    let mut control = Control::default();
-    if let Some(threads) = global.threads {
-        control = control.with_threads(threads.into());
-    }
+    let control = threads::control(global.threads, console)?;
     interrupt::cancels(&control);
+    memory_limit::enforce(global.memory);
     // Reading and sampling volumes is parallel, too: all of a command runs on the control's threads.
-    control.run(|| match &command {
+    let done = control.run(|| match &command {
         Command::Render(args) => render::run(args, console, &control),
         Command::Compare(args) => compare::run(args, console, &control),
         Command::Bench(args) => bench::run(args, console, &control),
@@ -108,5 +108,6 @@ fn run() -> Result<(), Failure> {
         Command::Ray(args) => ray::run(args, console, &control),
         Command::Physics(args) => physics::run(args, console, &control),
         Command::Help(args) => help::run(args, Cli::command()),
-    })
+    });
+    done.map_err(|failure| if control.is_cancelled() { failure.cancelled() } else { failure })
 }

@@ -1,6 +1,8 @@
 //! Checks of the places that pictures are written to.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use serde::Serializer;
 
 use crate::failure::Failure;
 
@@ -27,4 +29,12 @@ pub fn check(path: &Path, extensions: &[&str]) -> Result<(), Failure> {
 /// True if a name is that of a PNG.
 pub fn is_png(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
+}
+
+/// Writes the paths of files into JSON as messages show them: a path is bytes, and JSON is text.
+///
+/// # Errors
+/// Errors of the serializer.
+pub fn as_texts<S: Serializer>(paths: &impl AsRef<[PathBuf]>, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(paths.as_ref().iter().map(|path| path.to_string_lossy()))
 }

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use vr_core::{ControlPoint, Options, Plane};
 use vr_io::{
-    AlbedoEntry, FileSource, GridDescription, LabelsSection, LightEntry, MeshSection, PhaseEntry, PointLightEntry,
-    PointOptions, ResampleSection, SceneFile, ShadingSection, TransferSection, VolumeSection, VolumeSource,
+    AlbedoEntry, FileName, FileSource, GridDescription, LabelsSection, LightEntry, MeshSection, PhaseEntry,
+    PointLightEntry, PointOptions, ResampleSection, SceneFile, ShadingSection, TransferSection, VolumeSection,
+    VolumeSource,
 };
 
 use crate::args::{
@@ -96,9 +97,9 @@ impl Overrides {
     }
 
     /// Returns a path of the command line as the scene file must hold it: absolute, if that is relative to another folder.
-    fn path_from_here(&self, path: &Path) -> String {
+    fn path_from_here(&self, path: &Path) -> FileName {
         let absolute = if self.over_file { std::path::absolute(path).ok() } else { None };
-        absolute.as_deref().unwrap_or(path).to_string_lossy().into_owned()
+        absolute.as_deref().unwrap_or(path).into()
     }
 
     /// Writes the flags of `[volume]`, the filter's apart.
@@ -187,12 +188,16 @@ impl Overrides {
             section = TransferSection { unit_distance, opacity_rule, ..TransferSection::default() };
         }
         match (preset, transfer) {
-            (None, Some(file)) if Path::new(file).extension().is_some() => {
-                section.file = Some(self.path_from_here(Path::new(file)));
+            (None, Some(file)) if names_file(file) => {
+                section.file = Some(self.path_from_here(file));
                 self.note("transfer.file");
             }
-            (Some(name), _) | (None, Some(name)) => {
+            (Some(name), _) => {
                 section.preset = Some(name.clone());
+                self.note("transfer.preset");
+            }
+            (None, Some(name)) => {
+                section.preset = Some(name.to_string_lossy().into_owned());
                 self.note("transfer.preset");
             }
             (None, None) => {}
@@ -405,4 +410,8 @@ fn given(args: &VolumeArgs) -> impl Iterator<Item = (&'static str, String)> {
         ("volume.columns", shown(&args.position_columns).or_else(|| shown(&columns))),
     ];
     flags.into_iter().filter_map(|(field, found)| Some((field, found?)))
+}
+/// True if a word in the place of a transfer function names a file rather than a preset: it has an extension or leads into a folder.
+pub fn names_file(word: &Path) -> bool {
+    word.extension().is_some() || word.components().count() > 1
 }

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use serde::Serialize;
 use vr_io::{
-    AnnotationsSection, ErrorRecord, FileRecord, PictureFormat, PictureRecord, SceneFile, VolumeRecord, volume_hash,
+    AnnotationsSection, ErrorRecord, FileName, FileRecord, PictureFormat, PictureRecord, SceneFile, VolumeRecord,
+    volume_hash,
 };
 use vr_physics::Metrics;
 use vr_study::reference::ReferencePixels;
@@ -33,7 +34,7 @@ pub fn record_of(
     let title = title(&scene.volume, &setup.scene.volume);
     let volume = VolumeRecord { title, hash: volume_hash(&setup.unlabelled.volume) };
     let mut record = PictureRecord::new(VERSION, scene, volume);
-    let file = |path: &String| -> Result<FileRecord, Failure> {
+    let file = |path: &FileName| -> Result<FileRecord, Failure> {
         let path = setup.path_of(path);
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         Ok(FileRecord { name, sha256: vr_io::file_hash(&path).map_err(Failure::failed)? })

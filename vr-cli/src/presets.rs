@@ -138,6 +138,7 @@ struct Json<'a> {
     presets: Vec<PresetJson>,
     output: &'a str,
     /// The sheet, and the single pictures if they were asked for.
+    #[serde(serialize_with = "output_file::as_texts")]
     files: &'a [PathBuf],
     notes: &'a [String],
 }

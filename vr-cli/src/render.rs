@@ -21,7 +21,7 @@ use crate::progress::under_bar;
 use crate::renderers::StatedRenderer;
 use crate::scene_setup::{Configured, Setup};
 use crate::target::Chosen;
-use crate::{error_map, exact_cache, number, output_file, show, target};
+use crate::{blank, error_map, exact_cache, number, output_file, show, target};
 
 /// Renders, writes, measures the error, and prints all figures.
 ///
@@ -58,6 +58,9 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
         None => draw(&args.renderer, &setup, console, control)?,
     };
     let frame = &drawn.frame;
+    if let Some(note) = blank::note(frame, scene, view) {
+        console.note(&note);
+    }
     let transparent = args.scene.image.background == Some(Background::Transparent);
     let png = args.output.png();
     let png = PngOptions { background: scene.background, alpha: png.alpha || transparent, ..png };
@@ -209,6 +212,7 @@ struct Json<'a> {
     error: Option<ErrorFigures>,
     own_errors: Option<OwnErrors>,
     error_map: Option<&'a ErrorMap>,
+    #[serde(serialize_with = "output_file::as_texts")]
     outputs: &'a [PathBuf],
     notes: &'a [String],
 }

@@ -9,7 +9,7 @@ use vr_io::AnnotationsSection;
 use vr_study::StudyError;
 use vr_study::baseline::Baseline;
 use vr_study::origin::{Origin, shell_line};
-use vr_study::report::{csv, headline_plot, headline_table, page};
+use vr_study::report::{csv, headline_plot, headline_table, is_page, page};
 use vr_study::subject::{Subject, reduced};
 use vr_study::suite::{Report, Run, Suite};
 
@@ -23,7 +23,7 @@ use crate::progress::under_bar;
 use crate::renderers::StatedRenderer;
 use crate::scene_file::read_from;
 use crate::scene_setup::{Setup, named_scene};
-use crate::{exact_cache, renderers, report_summary};
+use crate::{exact_cache, output_file, renderers, report_summary};
 
 /// Largest number of pixels of the pictures of a user's own scene, where no size was asked for.
 const QUICK_PIXELS: f64 = 128.0 * 128.0;
@@ -58,6 +58,9 @@ pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(),
     let inputs = Inputs::new("a file that is read", read);
     let written = FILES.iter().map(|name| args.output.join(name));
     written.chain([journal.clone()]).try_for_each(|place| inputs.protect("--output", &place))?;
+    if !args.force {
+        check_folder(&args.output, &journal)?;
+    }
     let own = setup.as_mut().map(|setup| own_subject(setup, args, suite)).transpose()?;
     fs::create_dir_all(&args.output).map_err(|e| cannot_write(&args.output, &e))?;
     // Measure; a journal keeps what is done.
@@ -130,9 +133,25 @@ fn own_subject(setup: &mut Setup, args: &ReportArgs, suite: Suite) -> Result<(Su
     Ok((Subject { name, title, scene, view, phantom, origin }, text))
 }
 
+/// Refuses a folder that holds files of a report's names and is no folder of a report: somebody's own pages, say.
+fn check_folder(folder: &Path, journal: &Path) -> Result<(), Failure> {
+    let page = folder.join(PAGE);
+    let is_ours = journal.exists() || vr_io::read_text(&page, LONGEST).is_ok_and(|text| is_page(&text));
+    match FILES.iter().map(|name| folder.join(name)).find(|file| file.exists()) {
+        Some(file) if !is_ours => Err(Failure::usage(format!(
+            "--output: {} is there, and the folder holds no earlier report; name another folder, or replace it by --force",
+            file.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Longest page or baseline that is read.
+const LONGEST: u64 = 1 << 28;
+
 fn read_baseline(path: &Path) -> Result<Baseline, Failure> {
     let failed = |e: &dyn std::fmt::Display| Failure::failed(format!("{}: {e}", path.display()));
-    let text = fs::read_to_string(path).map_err(|e| failed(&e))?;
+    let text = vr_io::read_text(path, LONGEST).map_err(|e| failed(&e))?;
     serde_json::from_str(&text).map_err(|e| failed(&e))
 }
 
@@ -177,6 +196,7 @@ fn pretty(value: &impl Serialize) -> Result<String, Failure> {
 struct Json<'a> {
     #[serde(flatten)]
     report: &'a Report,
+    #[serde(serialize_with = "output_file::as_texts")]
     files: &'a [PathBuf],
     worse_than_baseline: &'a [String],
 }

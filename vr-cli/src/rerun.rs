@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use vr_core::{Control, Frame};
-use vr_io::{FileRecord, PictureRecord, SceneFile, StoredPixels, VolumeSource, volume_hash};
+use vr_io::{FileName, FileRecord, PictureRecord, SceneFile, StoredPixels, VolumeSource, volume_hash};
 
 use crate::annotate::Annotations;
 use crate::args::{RendererArgs, RerunArgs};
@@ -92,7 +92,7 @@ fn with_files(args: &RerunArgs, found: &PictureRecord) -> Result<SceneFile, Fail
     let shown = args.picture.display();
     match (&mut file.volume.source, &args.volume) {
         (Some(VolumeSource::File(source)), Some(path)) => {
-            source.path = path.to_string_lossy().into_owned();
+            source.path = path.into();
             source.series = args.series.clone().or(source.series.take());
         }
         (Some(VolumeSource::File(source)), None) => {
@@ -123,13 +123,13 @@ fn with_files(args: &RerunArgs, found: &PictureRecord) -> Result<SceneFile, Fail
 /// Sets the path of a file that the record knows by name alone. The words are its flag, that the picture has it, a pronoun for it, and that the picture
 /// has none.
 fn set_path(
-    recorded: Option<&mut String>,
+    recorded: Option<&mut FileName>,
     given: Option<&Path>,
     [flag, has, pronoun, has_none]: [&str; 4],
     args: &RerunArgs,
 ) -> Result<(), Failure> {
     match (recorded, given) {
-        (Some(recorded), Some(path)) => *recorded = path.to_string_lossy().into_owned(),
+        (Some(recorded), Some(path)) => *recorded = path.into(),
         (Some(recorded), None) => {
             let message = format!("the picture {has}, {recorded}: name {pronoun} with {flag} FILE");
             return Err(Failure::usage(message));

@@ -1,10 +1,10 @@
 //! `vr scene`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Serialize;
 use vr_core::Control;
-use vr_io::{SceneFile, VolumeSource};
+use vr_io::{FileName, SceneFile, VolumeSource};
 
 use crate::args::SceneFileArgs;
 use crate::console::Console;
@@ -43,11 +43,15 @@ pub fn run(args: &SceneFileArgs, console: Console, control: &Control) -> Result<
 
     #[derive(Serialize)]
     struct Json<'a> {
-        output: Option<&'a PathBuf>,
+        output: Option<String>,
         scene: &'a SceneFile,
         notes: &'a [String],
     }
-    let json = Json { output: args.output.as_ref(), scene: &file, notes: &setup.notes };
+    let json = Json {
+        output: args.output.as_ref().map(|place| place.display().to_string()),
+        scene: &file,
+        notes: &setup.notes,
+    };
     match &args.output {
         Some(place) => {
             vr_io::write_bytes(place, text.as_bytes()).map_err(Failure::failed)?;
@@ -64,7 +68,7 @@ fn text(file: &SceneFile, title: &str, stated: &StatedRenderer) -> Result<String
 
 /// Returns a scene file of a set-up with its paths as they are to be read from a folder.
 pub fn read_from(mut file: SceneFile, folder: &Path, setup: &Setup) -> SceneFile {
-    let from_there = |path: &str| path_from(folder, &setup.path_of(path));
+    let from_there = |path: &Path| path_from(folder, &setup.path_of(path));
     if let Some(VolumeSource::File(source)) = &mut file.volume.source {
         source.path = from_there(&source.path);
     }
@@ -81,11 +85,11 @@ pub fn read_from(mut file: SceneFile, folder: &Path, setup: &Setup) -> SceneFile
 }
 
 /// Returns a path as a file in `folder` must hold it: relative to it where it leads further down, absolute otherwise.
-fn path_from(folder: &Path, path: &Path) -> String {
+fn path_from(folder: &Path, path: &Path) -> FileName {
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let place = absolute(if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
     let path = absolute(path);
-    path.strip_prefix(place).unwrap_or(&path).to_string_lossy().into_owned()
+    path.strip_prefix(place).unwrap_or(&path).into()
 }
 
 #[cfg(test)]
@@ -95,8 +99,8 @@ mod tests {
     #[test]
     fn paths_are_relative_where_they_lead_down() {
         let here = std::env::current_dir().unwrap();
-        assert_eq!(path_from(Path::new(""), Path::new("sub/a.raw")), "sub/a.raw");
-        assert_eq!(path_from(Path::new("sub"), Path::new("sub/a.raw")), "a.raw");
-        assert_eq!(path_from(Path::new("sub"), Path::new("a.raw")), here.join("a.raw").to_string_lossy());
+        assert_eq!(path_from(Path::new(""), Path::new("sub/a.raw")), "sub/a.raw".into());
+        assert_eq!(path_from(Path::new("sub"), Path::new("sub/a.raw")), "a.raw".into());
+        assert_eq!(path_from(Path::new("sub"), Path::new("a.raw")), here.join("a.raw").into());
     }
 }

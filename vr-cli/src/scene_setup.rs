@@ -6,7 +6,9 @@ use std::sync::Arc;
 use clap::{Args, FromArgMatches};
 use vr_core::resample::{Resampled, Resampling, Resolution};
 use vr_core::transfer::Preset;
-use vr_core::{Control, OptionError, Options, ParameterError, RenderError, Renderer, Scene, Surfaces, View, Volume};
+use vr_core::{
+    Control, OptionError, Options, ParameterError, RenderError, Renderer, Scene, Surfaces, View, Volume, memory,
+};
 use vr_io::{
     FileError, FileErrorKind, FileInfo, FileSource, LabelsSection, LoadedScene, LoadedVolume, ResampleSection,
     SceneFile, SceneFileError, SceneMesh, TransferSection, VolumeSection, VolumeSource,
@@ -21,6 +23,9 @@ use crate::inputs::Inputs;
 use crate::overrides::Overrides;
 use crate::renderers::StatedRenderer;
 use crate::{number, renderers};
+
+/// Memory that a pixel takes on its way into a file: light, depth, and the bytes of a PNG.
+const BYTES_PER_PIXEL: u64 = 40;
 
 /// Scene that is drawn where the command line names none.
 const EMBEDDED: &str = include_str!("embedded.toml");
@@ -201,6 +206,8 @@ impl Setup {
             origin,
         };
         setup.view.validate().map_err(|e| setup.render_failure(e.into()))?;
+        let pixels = setup.view.size.map(u64::from).iter().product::<u64>();
+        memory::check("the picture", pixels * BYTES_PER_PIXEL).map_err(Failure::failed)?;
         // Surfaces are drawn here for the note alone.
         if !console.quiet {
             let layer = setup.scene.layer(&setup.view, &Control::default()).map_err(|e| setup.render_failure(e))?;
@@ -290,7 +297,7 @@ impl Setup {
     }
 
     /// Returns a path of the scene file as it is from here.
-    pub fn path_of(&self, path: &str) -> PathBuf {
+    pub fn path_of(&self, path: &Path) -> PathBuf {
         let scene_file = self.origin.scene_file.as_deref();
         scene_file.and_then(Path::parent).map_or_else(|| path.into(), |folder| folder.join(path))
     }
@@ -425,7 +432,7 @@ pub fn default_scene(volume_named: bool) -> Result<SceneFile, Failure> {
 /// Describes a volume in a few words: `phantom fog, 64×64×64 f32`, or `halo.npy, 32314 points`.
 pub fn title(section: &VolumeSection, volume: &Volume) -> String {
     let name = match &section.source {
-        Some(VolumeSource::File(FileSource { path, .. })) => path.clone(),
+        Some(VolumeSource::File(FileSource { path, .. })) => path.to_string(),
         Some(VolumeSource::Phantom { name, .. } | VolumeSource::PhantomPoints { name, .. }) => {
             format!("phantom {name}")
         }

@@ -1,5 +1,6 @@
 //! `vr tf`.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -16,6 +17,7 @@ use crate::failure::Failure;
 use crate::histogram::Histogram;
 use crate::inputs::{Inputs, apart};
 use crate::joint_histogram::JointHistogram;
+use crate::overrides::names_file;
 use crate::scene_setup::{Origin, title};
 use crate::table::Table;
 use crate::{number, output_file, tf_picture, tf_plane};
@@ -72,17 +74,19 @@ pub fn run(args: &TfArgs, console: Console) -> Result<(), Failure> {
 
 /// Source of a transfer function.
 enum Source<'a> {
-    Preset(&'a str),
-    File(&'a str),
+    Preset(Cow<'a, str>),
+    File(&'a Path),
     Auto,
 }
 
 impl<'a> Source<'a> {
-    /// A name with an extension is a file, as for `--transfer`.
-    fn of(text: &'a str) -> Self {
-        match text {
-            "auto" => Self::Auto,
-            name if Path::new(name).extension().is_some() => Self::File(name),
+    /// Takes a word as `--transfer` does.
+    fn of(word: &'a Path) -> Self {
+        if names_file(word) {
+            return Self::File(word);
+        }
+        match word.to_string_lossy() {
+            word if word == "auto" => Self::Auto,
             name => Self::Preset(name),
         }
     }
@@ -90,10 +94,8 @@ impl<'a> Source<'a> {
     /// Name for formats that hold one.
     fn name(&self) -> String {
         match self {
-            Self::Preset(name) => (*name).to_owned(),
-            Self::File(path) => {
-                Path::new(path).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
-            }
+            Self::Preset(name) => name.clone().into_owned(),
+            Self::File(path) => path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
             Self::Auto => "auto".to_owned(),
         }
     }
@@ -121,8 +123,8 @@ fn with_volume(source: &Source<'_>, args: &TfArgs) -> Result<Found, Failure> {
     let mut volume = VolumeSection::default();
     origin.overrides.volume(&args.volume, &mut volume)?;
     let section = TransferSection {
-        preset: if let Source::Preset(name) = source { Some((*name).to_owned()) } else { None },
-        file: if let Source::File(path) = source { Some((*path).to_owned()) } else { None },
+        preset: if let Source::Preset(name) = source { Some(name.clone().into_owned()) } else { None },
+        file: if let Source::File(path) = source { Some((*path).into()) } else { None },
         range: args.range,
         ..TransferSection::default()
     };
@@ -188,7 +190,7 @@ fn alone(source: &Source<'_>, args: &TfArgs) -> Result<Found, Failure> {
             let points = file.transfer_points(asked);
             let name = if file.name.is_empty() { source.name() } else { file.name };
             let relative = if file.absolute { "" } else { ", to be spread over a volume's values" };
-            let title = format!("{name} of {path}, {}{relative}", file.format);
+            let title = format!("{name} of {}, {}{relative}", path.display(), file.format);
             let rule = file.opacity_rule.unwrap_or_default();
             Ok(Found {
                 name,
@@ -283,6 +285,7 @@ struct Json<'a> {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     rows: Vec<RowJson>,
     shading: Option<ShadingJson>,
+    #[serde(serialize_with = "output_file::as_texts")]
     outputs: &'a [PathBuf],
     notes: &'a [String],
 }

@@ -27,6 +27,16 @@ pub struct Control {
     pool: Option<Arc<rayon::ThreadPool>>,
 }
 
+/// Threads that the system does not start.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{threads} threads cannot be started: {reason}; ask for fewer, or raise the limit on processes or memory")]
+pub struct ThreadError {
+    /// Number of threads that were asked for.
+    pub threads: usize,
+    /// The system's reason.
+    pub reason: String,
+}
+
 impl std::fmt::Debug for Control {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Control").field("cancelled", &self.is_cancelled()).finish_non_exhaustive()
@@ -37,12 +47,21 @@ impl Control {
     /// Uses a pool of `threads` threads of its own (at least one).
     ///
     /// # Panics
-    /// If the system cannot start threads.
+    /// If the system cannot start threads; [`Self::try_with_threads`] does not.
     #[must_use]
-    pub fn with_threads(mut self, threads: usize) -> Self {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build();
-        self.pool = Some(Arc::new(pool.expect("threads can be started")));
-        self
+    pub fn with_threads(self, threads: usize) -> Self {
+        self.try_with_threads(threads).expect("threads can be started")
+    }
+
+    /// Uses a pool of `threads` threads of its own (at least one).
+    ///
+    /// # Errors
+    /// [`ThreadError`] where the system starts fewer: its limits on processes or memory.
+    pub fn try_with_threads(mut self, threads: usize) -> Result<Self, ThreadError> {
+        let threads = threads.max(1);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        self.pool = Some(Arc::new(pool.map_err(|e| ThreadError { threads, reason: e.to_string() })?));
+        Ok(self)
     }
 
     /// Calls back with the fraction done, in [0, 1], from any thread.

@@ -5,6 +5,7 @@ use std::io::{self, BufWriter, Seek, Write};
 use std::path::Path;
 
 use crate::error::WriteError;
+use crate::unfinished;
 
 /// A seekable place to write to.
 pub(crate) trait Output: Write + Seek {}
@@ -39,22 +40,13 @@ pub(crate) fn write_whole(
     // Through a link, the file that it points to is replaced, not the link.
     let place = fs::canonicalize(path).unwrap_or_else(|_| path.into());
     let folder = place.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut temporary = temporary_file(folder).map_err(failed)?;
+    let (mut temporary, _under_way) = unfinished::file_in(folder).map_err(failed)?;
     let mut out = BufWriter::new(&mut temporary);
     write(&mut out)?;
     out.flush().map_err(failed)?;
     drop(out);
     temporary.persist(&place).map_err(|e| failed(e.error))?;
     Ok(())
-}
-
-fn temporary_file(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".vr-").suffix(".part");
-    // As any new file has them, less the user's mask; temporary files are private otherwise.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
 }
 
 #[cfg(test)]

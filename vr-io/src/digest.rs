@@ -1,6 +1,5 @@
 //! Hashes of what volumes, pictures and files hold.
 
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -9,6 +8,7 @@ use vr_core::cells::CellValues;
 use vr_core::{AmrGrid, CellMesh, GridVolume, PointSet, RectilinearGrid, Volume, parallel, with_grid};
 
 use crate::error::FileError;
+use crate::regular_file;
 
 /// Bytes that are hashed by themselves, so that several threads can share the work.
 const BLOCK: usize = 1 << 20;
@@ -116,7 +116,7 @@ fn amr_hash(grid: &AmrGrid) -> String {
 pub fn file_hash(path: impl AsRef<Path>) -> Result<String, FileError> {
     let path = path.as_ref();
     let hash = || -> io::Result<String> {
-        let (mut file, mut hash, mut block) = (File::open(path)?, Sha256::new(), vec![0; BLOCK]);
+        let (mut file, mut hash, mut block) = (regular_file::open(path)?, Sha256::new(), vec![0; BLOCK]);
         loop {
             match file.read(&mut block)? {
                 0 => return Ok(hexadecimal(&hash.finalize())),

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use vr_core::amr::AmrError;
 use vr_core::cells::CellError;
 use vr_core::labels::LabelError;
+use vr_core::memory::MemoryError;
 use vr_core::rectilinear::RectilinearError;
 use vr_core::{GridError, MeshError, PointError};
 
@@ -34,6 +35,9 @@ pub enum FileErrorKind {
     /// The file cannot be opened or read.
     #[error(transparent)]
     Io(#[from] io::Error),
+    /// Too little memory for what the file holds.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
     /// Content, or a request, that makes no sense.
     #[error(transparent)]
     Field(#[from] FieldError),

@@ -5,6 +5,7 @@ use std::io::{BufRead, BufReader, Read, Take};
 use std::path::Path;
 
 use crate::error::FileError;
+use crate::regular_file;
 
 /// Reads a header line by line, as far as the parser of the format asks, and keeps the bytes read.
 pub(crate) struct HeaderText<'p> {
@@ -18,7 +19,7 @@ impl<'p> HeaderText<'p> {
     const LONGEST: u64 = 1 << 26;
 
     pub fn open(path: &'p Path) -> Result<Self, FileError> {
-        let file = File::open(path).map_err(|e| FileError::new(path, e))?;
+        let file = regular_file::open(path).map_err(|e| FileError::new(path, e))?;
         Ok(Self { path, file: BufReader::new(file).take(Self::LONGEST), text: Vec::new() })
     }
 

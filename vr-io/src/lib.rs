@@ -287,6 +287,7 @@ mod pvm;
 mod raw;
 mod read;
 mod record;
+mod regular_file;
 mod scalar;
 mod scene;
 mod slc;
@@ -295,6 +296,7 @@ mod source;
 mod tiff;
 mod toml_table;
 mod transfer;
+mod unfinished;
 mod variables;
 mod vdb;
 mod voreen;
@@ -328,20 +330,22 @@ pub use record::{
     ErrorRecord, FileRecord, PictureFormat, PictureRecord, PixelsRecord, RecordError, RecordSection, SheetPicture,
     SheetRecord, VolumeRecord, encode_png_with_record, read_record, write_with_record,
 };
+pub use regular_file::read_text;
 pub use scalar::{Endian, ScalarType};
 pub use scene::{
-    AlbedoEntry, AnnotationsSection, CameraSection, ColorEncoding, ColorWord, CompositingName, FaceName, FileSource,
-    FinestWord, FinishEntry, GridDescription, ImageSection, LabelLook, LabelName, LabelSection, LabelsSection,
-    LightEntry, LoadedScene, LoadedVolume, LookName, MeshSection, PhaseEntry, PointLightEntry, ProjectionName,
-    RenderSection, ResampleSection, ResampleSize, ScatteringSection, SceneFile, SceneFileError, SceneMesh,
-    ShadingSection, ShapeEntry, SurfaceEntry, TransferPoints, TransferRowSection, TransferSection, VolumeSection,
-    VolumeSource, commented_scene, load_scene, load_volume, outline_scene, parse_scene, preset_by_name, read_scene,
-    resolve_scene, resolve_scene_around, scene_text, write_scene,
+    AlbedoEntry, AnnotationsSection, CameraSection, ColorEncoding, ColorWord, CompositingName, FaceName, FileName,
+    FileSource, FinestWord, FinishEntry, GridDescription, ImageSection, LabelLook, LabelName, LabelSection,
+    LabelsSection, LightEntry, LoadedScene, LoadedVolume, LookName, MeshSection, PhaseEntry, PointLightEntry,
+    ProjectionName, RenderSection, ResampleSection, ResampleSize, ScatteringSection, SceneFile, SceneFileError,
+    SceneMesh, ShadingSection, ShapeEntry, SurfaceEntry, TransferPoints, TransferRowSection, TransferSection,
+    VolumeSection, VolumeSource, commented_scene, load_scene, load_volume, outline_scene, parse_scene, preset_by_name,
+    read_scene, resolve_scene, resolve_scene_around, scene_text, write_scene,
 };
 pub use transfer::{
     ColorMap, TRANSFER_EXTENSIONS, TransferFile, TransferSource, parse_color_maps, parse_transfer, read_color_maps,
     read_transfer, write_transfer,
 };
+pub use unfinished::remove_unfinished;
 pub use world::{Space, orientation};
 pub use write::{
     Levels, NrrdEncoding, NrrdOptions, NrrdValues, WriteVolumeOptions, WrittenVolume, volume_files, write_nrrd,

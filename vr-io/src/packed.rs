@@ -1,12 +1,12 @@
 //! Files that may be compressed as a whole: their first bytes, and all of them.
 
-use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use crate::encoding::Encoding;
 use crate::error::{FileError, FileErrorKind};
 use crate::read::file_head;
+use crate::regular_file;
 
 /// A file, and the compression that its first bytes show.
 #[derive(Clone, Debug)]
@@ -24,11 +24,7 @@ impl Packed {
     /// The unpacked bytes, from the first one on.
     pub fn reader(&self) -> Result<Box<dyn Read>, FileError> {
         let io = |e| FileError::new(&self.path, e);
-        let file = File::open(&self.path).map_err(io)?;
-        // A device or a pipe may go on for ever.
-        if !file.metadata().map_err(io)?.is_file() {
-            return Err(io(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file")));
-        }
+        let file = regular_file::open(&self.path).map_err(io)?;
         Ok(self.encoding.reader(BufReader::with_capacity(1 << 16, file)))
     }
 

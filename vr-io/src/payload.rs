@@ -16,6 +16,7 @@ use crate::error::{FieldError, FileError, FileErrorKind, shown};
 use crate::layout::Layout;
 use crate::mapped::MappedVoxels;
 use crate::read::ReadOptions;
+use crate::regular_file;
 use crate::scalar::{Endian, ScalarType};
 use crate::voxels::{Remember, Stored, Voxels};
 
@@ -89,13 +90,9 @@ impl Payload {
             .ok_or_else(|| FileError::new(header, GridError::Dims { dims: layout.dims }))?;
 
         // Map the file where its bytes are the voxels as memory holds them.
-        let as_stored = self.endian == Endian::NATIVE || size == 1;
         if let [segment] = self.segments.as_slice()
             && options.map
-            && as_stored
-            && with_scalar!(self.scalar, S => S::IS_MEMORY_TYPE)
-            && self.encoding == Encoding::Raw
-            && layout.is_contiguous()
+            && self.can_be_mapped(layout)
         {
             let (file, offset) = self.locate(header, segment, bytes, notes)?;
             let first = offset + (layout.offset * size) as u64;
@@ -126,6 +123,16 @@ impl Payload {
             let out = if contiguous { run.out } else { layout.pick(&run.out) };
             Ok(S::remember(Stored::Owned(out), notes))
         })
+    }
+
+    /// True if the voxels that a layout picks may stay in their file.
+    pub fn can_be_mapped(&self, layout: &Layout) -> bool {
+        let as_stored = self.endian == Endian::NATIVE || self.scalar.bytes() == 1;
+        self.segments.len() == 1
+            && as_stored
+            && with_scalar!(self.scalar, S => S::IS_MEMORY_TYPE)
+            && self.encoding == Encoding::Raw
+            && layout.is_contiguous()
     }
 
     /// Reads all segments, one after the other, and keeps a run of their numbers.
@@ -201,7 +208,7 @@ impl Payload {
 
     /// The file, standing where the encoded data begin.
     fn open(&self, header: &Path, segment: &Segment) -> Result<BufReader<File>, FileError> {
-        let file = File::open(&segment.path).map_err(|source| {
+        let file = regular_file::open(&segment.path).map_err(|source| {
             if segment.path == header {
                 FileError::new(header, source)
             } else {
@@ -209,10 +216,6 @@ impl Payload {
             }
         })?;
         let io = |e| FileError::new(&segment.path, e);
-        // A device or a pipe may go on for ever.
-        if !file.metadata().map_err(io)?.is_file() {
-            return Err(io(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file")));
-        }
         let mut file = BufReader::with_capacity(1 << 16, file);
         file.seek(SeekFrom::Start(segment.start)).map_err(io)?;
         for line in 0..segment.lines {
@@ -280,7 +283,7 @@ impl Payload {
         let mut data: Box<dyn Read> = if raw {
             let (file, _) = self.locate(header, segment, claimed, notes)?;
             // The voxels are there, so there may be room for them.
-            kept.reserve(claimed);
+            kept.reserve(claimed).map_err(|e| FileError::new(&segment.path, e))?;
             Box::new(file)
         } else {
             let skip = match segment.skip {
@@ -307,7 +310,7 @@ impl Payload {
             if got < n {
                 return Err(length(claimed - left + got as u64));
             }
-            kept.bytes(&buffer[..n], self.endian);
+            kept.bytes(&buffer[..n], self.endian).map_err(|e| FileError::new(&segment.path, e))?;
             left -= n as u64;
         }
         if !raw {
@@ -357,9 +360,9 @@ struct SlicePlace<'a> {
 /// The part of a stream of numbers that is kept, whatever their type: the readers are compiled once, and not for each of ten types.
 trait Kept {
     /// Makes room for numbers that are there.
-    fn reserve(&mut self, bytes: u64);
+    fn reserve(&mut self, bytes: u64) -> io::Result<()>;
     /// Takes the next numbers, as the file has them.
-    fn bytes(&mut self, bytes: &[u8], endian: Endian);
+    fn bytes(&mut self, bytes: &[u8], endian: Endian) -> io::Result<()>;
     /// Takes the next number; false if the word is none of the type.
     fn word(&mut self, word: &str) -> bool;
 }
@@ -374,15 +377,22 @@ struct Run<S> {
 }
 
 impl<S: Remember> Kept for Run<S> {
-    fn reserve(&mut self, bytes: u64) {
+    fn reserve(&mut self, bytes: u64) -> io::Result<()> {
         let samples = (bytes / size_of::<S>() as u64).saturating_sub(self.skip as u64);
-        self.out.reserve_exact(samples.min(self.take as u64) as usize);
+        Ok(self.out.try_reserve_exact(samples.min(self.take as u64) as usize)?)
     }
 
-    fn bytes(&mut self, bytes: &[u8], endian: Endian) {
+    fn bytes(&mut self, bytes: &[u8], endian: Endian) -> io::Result<()> {
+        let most = self.out.len() + self.take;
         let (skip, take) = self.advance(bytes.len() / size_of::<S>());
+        // Room doubles with what comes out of a decoder, and is never more than all of the run.
+        if self.out.len() + take > self.out.capacity() {
+            let room = (2 * self.out.capacity()).max(self.out.len() + take).min(most);
+            self.out.try_reserve_exact(room - self.out.len())?;
+        }
         let at = |i: usize| i * size_of::<S>();
         S::append(&bytes[at(skip)..at(skip + take)], endian, &mut self.out);
+        Ok(())
     }
 
     fn word(&mut self, word: &str) -> bool {
@@ -425,7 +435,7 @@ fn skip_line(file: &mut impl BufRead) -> io::Result<usize> {
 
 /// Reads from an offset of a file until the buffer is full or the file ends.
 fn read_at(path: &Path, offset: u64, buffer: &mut [u8]) -> io::Result<usize> {
-    let mut file = File::open(path)?;
+    let mut file = regular_file::open(path)?;
     file.seek(SeekFrom::Start(offset))?;
     read_full(&mut file, buffer)
 }

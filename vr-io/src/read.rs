@@ -1,7 +1,6 @@
 //! The one way in: a file of any format becomes a volume, with what is worth knowing about it.
 
 use std::collections::HashSet;
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -18,6 +17,7 @@ use crate::layout::Layout;
 use crate::nifti::Transform;
 use crate::points::{self, LoadedPoints, PointFormat, PointOptions};
 use crate::raw::RawDescription;
+use crate::regular_file;
 use crate::scalar::{Endian, ScalarType};
 use crate::source::Source;
 use crate::voxels::{Stored, Voxels};
@@ -345,7 +345,7 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
 pub(crate) fn file_head(path: &Path) -> io::Result<Vec<u8>> {
     const HEAD: u64 = 4096;
     let mut head = Vec::new();
-    File::open(path)?.take(HEAD).read_to_end(&mut head)?;
+    regular_file::open(path)?.take(HEAD).read_to_end(&mut head)?;
     Ok(head)
 }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use vr_core::{Filter, Volume};
-use vr_io::{FileSource, LookName, SceneFile, VolumeSection, VolumeSource, volume_hash};
+use vr_io::{FileName, FileSource, LookName, SceneFile, VolumeSection, VolumeSource, volume_hash};
 
 use crate::args::{AnimationArgs, LookFrom, RendererArgs, SceneArgs};
 use crate::console::Console;
@@ -109,7 +109,7 @@ fn series(section: &VolumeSection, scene_file: &Path) -> Result<(Vec<VolumeSecti
     };
     let folder = scene_file.parent().unwrap_or(Path::new(""));
     let of = |source: FileSource| VolumeSection { source: Some(VolumeSource::File(source)), ..section.clone() };
-    let path = Path::new(&source.path);
+    let path = &*source.path;
     let is_pattern = path.file_name().is_some_and(|name| name.to_string_lossy().contains('%'));
     if is_pattern && !folder.join(path).exists() {
         let files = vr_io::files_of_pattern(folder.join(path)).map_err(Failure::failed)?;
@@ -134,9 +134,9 @@ fn series(section: &VolumeSection, scene_file: &Path) -> Result<(Vec<VolumeSecti
 }
 
 /// Returns the path of a file of a pattern, relative to what the pattern is relative to.
-fn file_beside(pattern: &Path, file: &Path) -> String {
+fn file_beside(pattern: &Path, file: &Path) -> FileName {
     let name = file.file_name().unwrap_or_default();
-    pattern.with_file_name(name).to_string_lossy().into_owned()
+    pattern.with_file_name(name).into()
 }
 
 /// Reads all volumes, stretches what is stretched over the range of all, and returns the number of the one with the largest value.

@@ -47,7 +47,7 @@ pub use tf::{PresetsArgs, TfArgs};
 pub use volume::VolumeArgs;
 
 use crate::failure::Failure;
-use crate::{help, output_file};
+use crate::{help, memory_limit, output_file};
 
 /// Pictures of volumes, and how far they are from the correct ones.
 ///
@@ -76,6 +76,9 @@ pub struct GlobalArgs {
     /// Use N threads; all processors if absent
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    /// Refuse what would take more memory, such as 4GB; what the machine, its control group and ulimit have left if absent
+    #[arg(long, global = true, value_name = "SIZE", value_parser = memory_limit::size)]
+    pub memory: Option<u64>,
 }
 
 /// The command.

@@ -37,6 +37,9 @@ pub struct ReportArgs {
     /// Time nothing: errors and counts alone, which are the same in every run
     #[arg(long, help_heading = "Report")]
     pub untimed: bool,
+    /// Replace files in the folder that are no earlier report
+    #[arg(long, help_heading = "Report")]
+    pub force: bool,
     /// Print the whole table of times and the names of all files, not a summary
     #[arg(long, help_heading = "Report")]
     pub all: bool,

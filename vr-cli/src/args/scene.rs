@@ -63,7 +63,7 @@ pub struct TransferArgs {
     pub preset: Option<String>,
     /// A preset, or a file of ParaView (.json, .xml), 3D Slicer (.vp), VTK (.xml), ImageJ (.lut), a table (.csv) or TOML
     #[arg(long, value_name = "PRESET|FILE")]
-    pub transfer: Option<String>,
+    pub transfer: Option<PathBuf>,
     /// A control point: value, linear RGB, opacity; repeat it in order of the values
     #[arg(long, value_name = "V,R,G,B,A", value_parser = value::point, allow_hyphen_values = true,
           conflicts_with = "transfer")]

@@ -12,7 +12,7 @@ pub struct TfArgs {
     /// A preset; a file of ParaView (.json, .xml), 3D Slicer (.vp, .vp.json), VTK (.xml), ImageJ (.lut), a table (.csv, .tsv) or TOML; or auto,
     /// the look that is found from the volume
     #[arg(value_name = "PRESET|FILE|auto")]
-    pub source: String,
+    pub source: PathBuf,
     /// The volume that it is for; without one, a preset that has no values of its own is spread over 0 to 1.
     #[command(flatten)]
     pub volume: VolumeArgs,

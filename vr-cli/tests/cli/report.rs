@@ -210,3 +210,17 @@ fn a_target_is_kept_where_large_errors_are_rare() {
         assert!(rmse <= at_most && at_most <= target, "{target} {shading}: {json}");
     }
 }
+
+#[test]
+fn somebody_elses_pages_are_spared() {
+    let vr = Vr::new();
+    fs::create_dir(vr.folder().join("site")).unwrap();
+    vr.write("site/index.html", "<!DOCTYPE html><title>Home</title>");
+    let command = "report --suite hard --renderer splat --untimed --no-cache -o site";
+    let refused = vr.run(command).failed(2);
+    assert!(refused.contains("site/index.html") && refused.contains("--force"), "{refused}");
+    assert_eq!(fs::read_dir(vr.folder().join("site")).unwrap().count(), 1);
+    vr.run(&format!("{command} --force")).succeeded();
+    // A report's own page is replaced without a word.
+    vr.run(command).succeeded();
+}

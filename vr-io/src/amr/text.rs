@@ -5,15 +5,15 @@ use std::path::Path;
 use std::str::FromStr;
 
 use crate::error::{FieldError, FileError};
+use crate::regular_file;
+
+/// Longest header: far beyond one of a million blocks.
+const MAX_BYTES: u64 = 1 << 30;
 
 /// Reads a file of text; what is no UTF-8 in it becomes marks.
 pub(super) fn read_text(path: &Path) -> Result<String, FileError> {
     let in_file = |e: io::Error| FileError::new(path, e);
-    // A device or a pipe may go on for ever.
-    if !std::fs::metadata(path).map_err(in_file)?.is_file() {
-        return Err(in_file(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file")));
-    }
-    let bytes = std::fs::read(path).map_err(in_file)?;
+    let bytes = regular_file::read(path, MAX_BYTES).map_err(in_file)?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 

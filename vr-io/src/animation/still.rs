@@ -1,6 +1,5 @@
 //! One frame of an animation, read back from its PNG.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -8,6 +7,7 @@ use image::DynamicImage;
 use image::codecs::png::PngDecoder;
 
 use crate::error::WriteError;
+use crate::regular_file;
 
 /// A picture of 3 or 4 channels of 8 or 16 bits.
 pub(super) struct Still {
@@ -26,7 +26,7 @@ impl Still {
     /// # Errors
     /// A [`WriteError`] naming the file: one that is not there, or is no PNG of a frame.
     pub fn read(path: &Path) -> Result<Self, WriteError> {
-        let file = File::open(path).map_err(|source| WriteError::Io { path: path.into(), source })?;
+        let file = regular_file::open(path).map_err(|source| WriteError::Io { path: path.into(), source })?;
         let wrong = |message: String| WriteError::Encode { path: path.into(), message };
         // The decoder of PNG alone, from a file as everywhere: each kind of reader is another copy of all that decodes.
         let picture = PngDecoder::new(BufReader::new(file)).and_then(DynamicImage::from_decoder);

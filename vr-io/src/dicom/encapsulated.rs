@@ -1,12 +1,12 @@
 //! Encapsulated frames: items of coded bytes, after a table of offsets that may be empty (DICOM PS3.5 2024, annex A.4).
 
-use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use super::element_header::{Headers, ItemHeader};
 use super::tags;
 use crate::error::{FieldError, FileErrorKind};
+use crate::regular_file;
 
 /// A run of coded bytes in a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub(super) struct Fragment {
 
 /// The fragments of each frame.
 pub(super) fn frames(path: &Path, offset: u64, count: usize) -> Result<Vec<Vec<Fragment>>, FileErrorKind> {
-    let file = File::open(path)?;
+    let file = regular_file::open(path)?;
     let end = file.metadata()?.len();
     let mut source = BufReader::new(file);
     source.seek(SeekFrom::Start(offset))?;
@@ -79,7 +79,7 @@ fn by_table(fragments: &[Fragment], offsets: &[u64], count: usize) -> Result<Vec
 
 /// The coded bytes of a frame.
 pub(super) fn read(path: &Path, fragments: &[Fragment]) -> Result<Vec<u8>, FileErrorKind> {
-    let mut file = File::open(path)?;
+    let mut file = regular_file::open(path)?;
     let mut bytes = Vec::new();
     for fragment in fragments {
         file.seek(SeekFrom::Start(fragment.offset))?;

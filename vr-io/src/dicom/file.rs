@@ -11,6 +11,7 @@ use super::elements::{DataSetReader, Elements, Forward, PixelElement};
 use super::tags;
 use super::transfer_syntax::TransferSyntax;
 use crate::error::{FileError, FileErrorKind};
+use crate::regular_file;
 
 /// Bytes before the prefix, of any content.
 const PREAMBLE: usize = 128;
@@ -44,15 +45,11 @@ impl DicomFile {
     pub fn open_if_dicom(path: &Path) -> Result<Option<Self>, FileError> {
         let in_file = |e: FileErrorKind| FileError::new(path, e);
         let io = |e: io::Error| FileError::new(path, e);
-        let file = File::open(path).map_err(io)?;
-        let metadata = file.metadata().map_err(io)?;
-        if !metadata.is_file() {
-            return Ok(None);
-        }
+        let file = regular_file::open(path).map_err(io)?;
+        let length = file.metadata().map_err(io)?.len();
         let mut source = BufReader::new(file);
         let mut head = Vec::new();
         source.by_ref().take((PREAMBLE + PREFIX.len()) as u64).read_to_end(&mut head).map_err(io)?;
-        let length = metadata.len();
         if head.get(PREAMBLE..) == Some(PREFIX) {
             let (syntax, start) = read_meta(&mut source, length).map_err(in_file)?;
             return Self::read(path, source, syntax, start, length).map(Some).map_err(in_file);

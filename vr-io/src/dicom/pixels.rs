@@ -1,6 +1,5 @@
 //! The voxels of a stack: as they lie in the files, or decoded slice by slice.
 
-use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 
 use flate2::read::DeflateDecoder;
@@ -16,6 +15,7 @@ use super::{jpeg, jpeg_ls, rle};
 use crate::encoding::Encoding;
 use crate::error::{FileError, FileErrorKind};
 use crate::payload::{Payload, Segment, Skip};
+use crate::regular_file;
 use crate::scalar::{Endian, ScalarType};
 use crate::source::{Decoded, Source};
 
@@ -139,7 +139,7 @@ impl SliceDecoder {
 /// The voxels of a deflated file.
 fn inflate(image: &Image) -> Result<Vec<u8>, FileErrorKind> {
     let damaged = |source: io::Error| FileErrorKind::Damaged { encoding: "deflate", source };
-    let mut file = File::open(&image.path)?;
+    let mut file = regular_file::open(&image.path)?;
     file.seek(SeekFrom::Start(image.start))?;
     let mut inflated = DeflateDecoder::new(BufReader::new(file));
     io::copy(&mut inflated.by_ref().take(image.pixels.offset), &mut io::sink()).map_err(damaged)?;
@@ -159,7 +159,7 @@ fn frame(image: &Image, frames: &Frames, index: usize) -> Result<Vec<u8>, FileEr
     let start = index as u64 * bytes;
     match frames {
         Frames::Native => {
-            let mut file = File::open(&image.path)?;
+            let mut file = regular_file::open(&image.path)?;
             file.seek(SeekFrom::Start(image.pixels.offset + start))?;
             let mut out = Vec::new();
             file.take(bytes).read_to_end(&mut out)?;

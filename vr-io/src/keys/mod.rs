@@ -28,6 +28,7 @@ use serde::{Deserialize, Serialize};
 use vr_core::{Camera, Clip, ControlPoint, ParameterError};
 
 use crate::error::FileError;
+use crate::regular_file;
 use crate::scene::SceneFileError;
 
 pub use camera_path::{AnglePath, Angles, CameraPath, PlacedPath};
@@ -84,13 +85,16 @@ pub struct Key {
     pub clip: Option<Clip>,
 }
 
+/// Longest file of key frames.
+const MAX_BYTES: u64 = 1 << 24;
+
 /// Reads a file of key frames.
 ///
 /// # Errors
 /// A [`SceneFileError`] naming the file and the line or the key.
 pub fn read_keys(path: impl AsRef<Path>) -> Result<KeyFile, SceneFileError> {
     let path = path.as_ref();
-    let text = std::fs::read_to_string(path).map_err(|e| FileError::new(path, e))?;
+    let text = regular_file::read_text(path, MAX_BYTES).map_err(|e| FileError::new(path, e))?;
     parse_keys(&text, path)
 }
 

@@ -1,13 +1,12 @@
 //! Lists of labels: names and colours in text.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use vr_core::transfer::srgb_to_linear;
 
 use super::entry::LabelEntry;
 use crate::error::{FieldError, FileError};
+use crate::regular_file;
 
 /// Largest list that is read, in bytes.
 const MAX_BYTES: u64 = 1 << 24;
@@ -21,13 +20,7 @@ const MAX_BYTES: u64 = 1 << 24;
 /// A [`FileError`] that names the line, what was found and what is allowed.
 pub fn read_label_list(path: impl AsRef<Path>) -> Result<Vec<LabelEntry>, FileError> {
     let path = path.as_ref();
-    let mut bytes = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes));
-    read.map_err(|e| FileError::new(path, e))?;
-    if bytes.len() as u64 > MAX_BYTES {
-        let allowed = "a list of labels has 16 MiB at most";
-        return Err(FieldError::new("size", format!("more than {MAX_BYTES} bytes"), allowed).in_file(path));
-    }
+    let bytes = regular_file::read(path, MAX_BYTES).map_err(|e| FileError::new(path, e))?;
     parse_label_list(&String::from_utf8_lossy(&bytes), path)
 }
 

@@ -5,13 +5,13 @@ mod ply;
 mod stl;
 
 use std::fmt::Display;
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 use vr_core::TriangleMesh;
 
 use crate::error::{FieldError, FileError, FileErrorKind};
+use crate::regular_file;
 
 /// The formats that are read, as messages list them.
 const SUPPORTED: &str = "STL (text and binary), OBJ and PLY (text and binary)";
@@ -27,6 +27,9 @@ pub struct LoadedMesh {
     pub notes: Vec<String>,
 }
 
+/// Longest file of a surface, which is taken into memory as a whole.
+const MAX_BYTES: u64 = 1 << 32;
+
 /// Reads a surface: STL, OBJ or PLY, told by the content first and by the name second.
 ///
 /// Positions are those of the file, as f64. Colours at the vertices (PLY, and OBJ with six numbers a vertex) are taken as sRGB and
@@ -37,7 +40,7 @@ pub struct LoadedMesh {
 /// A [`FileError`] that names the file, the place, what was found and what is allowed.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<LoadedMesh, FileError> {
     let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|e| FileError::new(path, e))?;
+    let bytes = regular_file::read(path, MAX_BYTES).map_err(|e| FileError::new(path, e))?;
     let unrecognised = || FileError::new(path, FileErrorKind::Unrecognised { supported: SUPPORTED });
     let read = match detect(path, &bytes).ok_or_else(unrecognised)? {
         Format::Ply => ply::read(&bytes),
@@ -51,7 +54,7 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<LoadedMesh, FileError> {
 /// True if a file is a mesh rather than a volume, by its first bytes and its name; false if it cannot be read.
 pub fn is_mesh(path: impl AsRef<Path>) -> bool {
     let mut head = Vec::new();
-    let read = File::open(path.as_ref()).and_then(|file| file.take(16).read_to_end(&mut head));
+    let read = regular_file::open(path.as_ref()).and_then(|file| file.take(16).read_to_end(&mut head));
     read.is_ok() && detect(path.as_ref(), &head).is_some()
 }
 

@@ -1,11 +1,11 @@
 //! The header of a classic file: dimensions, attributes and variables.
 
-use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
 use crate::decode::numbers_as_f64;
 use crate::error::{FileErrorKind, shown};
+use crate::regular_file;
 use crate::scalar::{Endian, ScalarType};
 use crate::variables::{Attribute, Variable};
 
@@ -45,7 +45,7 @@ struct Dimension {
 
 impl Header {
     pub fn read(path: &Path) -> Result<Self, FileErrorKind> {
-        let file = File::open(path)?;
+        let file = regular_file::open(path)?;
         let length = file.metadata()?.len();
         Self::parse(BufReader::new(file), length)
     }

@@ -4,12 +4,12 @@
 
 mod header;
 
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use crate::error::{FileError, FileErrorKind};
 use crate::read::{Description, ReadOptions};
+use crate::regular_file;
 use crate::scalar::{Endian, ScalarType};
 use crate::variables::{self, Attribute, Store, Variable};
 
@@ -65,7 +65,7 @@ impl Classic {
         start: &[usize],
         count: &[usize],
     ) -> Result<Vec<u8>, FileErrorKind> {
-        let mut file = File::open(&self.path)?;
+        let mut file = regular_file::open(&self.path)?;
         let length = file.metadata()?.len();
         let claimed = count.iter().fold(variable.scalar.bytes() as u64, |n, &c| n.saturating_mul(c as u64));
         // Nothing is allocated for more than there is.

@@ -3,7 +3,6 @@
 mod header;
 mod transform;
 
-use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
@@ -14,6 +13,7 @@ use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::layout::{Axis, Layout, Role};
 use crate::payload::{Payload, Segment, Skip};
 use crate::read::{Description, ReadOptions};
+use crate::regular_file;
 use crate::scalar::ScalarType;
 use crate::world::Space;
 
@@ -120,7 +120,7 @@ fn read_head(path: &Path) -> Result<(Vec<u8>, Encoding), FileError> {
     // The longer of the two headers.
     const LONGEST: u64 = 540;
     let encoding = encoding_of(path)?;
-    let file = File::open(path).map_err(|e| FileError::new(path, e))?;
+    let file = regular_file::open(path).map_err(|e| FileError::new(path, e))?;
     let mut head = Vec::new();
     // What came out before the damage is judged as a short header.
     let _ = encoding.reader(BufReader::new(file)).take(LONGEST).read_to_end(&mut head);
@@ -129,7 +129,7 @@ fn read_head(path: &Path) -> Result<(Vec<u8>, Encoding), FileError> {
 
 fn encoding_of(path: &Path) -> Result<Encoding, FileError> {
     let mut magic = Vec::new();
-    File::open(path).and_then(|f| f.take(4).read_to_end(&mut magic)).map_err(|e| FileError::new(path, e))?;
+    regular_file::open(path).and_then(|f| f.take(4).read_to_end(&mut magic)).map_err(|e| FileError::new(path, e))?;
     Ok(Encoding::of_file(&magic))
 }
 

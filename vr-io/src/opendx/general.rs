@@ -1,7 +1,6 @@
 //! Headers of the General Array Importer: lines of `keyword = values` that describe a file of numbers.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -14,6 +13,7 @@ use crate::header_text::HeaderText;
 use crate::layout::{Axis, Layout, Role};
 use crate::payload::{Payload, Segment, Skip};
 use crate::read::{Description, ReadOptions, file_head};
+use crate::regular_file;
 use crate::scalar::{Endian, ScalarType};
 use crate::world::Space;
 
@@ -333,7 +333,7 @@ fn after_marker(header: &Path, data: &Path, marker: &[u8]) -> Result<u64, FileEr
     const SEARCHED: u64 = 1 << 24;
     let io = |source| FileError::new(header, FileErrorKind::DataFile { data: data.into(), source });
     let mut head = Vec::new();
-    File::open(data).map_err(io)?.take(SEARCHED).read_to_end(&mut head).map_err(io)?;
+    regular_file::open(data).map_err(io)?.take(SEARCHED).read_to_end(&mut head).map_err(io)?;
     // Where the header is in the same file, it names the marker too: that one does not count.
     let own = format!("marker \"{}", String::from_utf8_lossy(marker));
     let found = (!marker.is_empty()).then(|| {

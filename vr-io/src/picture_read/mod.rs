@@ -12,6 +12,7 @@ use std::path::Path;
 use vr_core::Frame;
 
 use crate::png::Encode;
+use crate::regular_file;
 
 pub use error::PictureError;
 pub use stored::StoredPixels;
@@ -81,7 +82,7 @@ enum Opened<'a> {
 
 fn open(path: &Path) -> Result<Opened<'_>, PictureError> {
     let io = |source| PictureError::Io { path: path.into(), source };
-    let mut file = File::open(path).map_err(io)?;
+    let mut file = regular_file::open(path).map_err(io)?;
     let length = file.metadata().map_err(io)?.len();
     let mut head = Vec::new();
     (&mut file).take(4).read_to_end(&mut head).map_err(io)?;

@@ -1,10 +1,11 @@
 //! Parts of a file, none of which is read beyond its end.
 
 use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom};
+use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::error::FileErrorKind;
+use crate::regular_file;
 
 use super::damaged;
 
@@ -16,13 +17,9 @@ pub(super) struct Window {
 
 impl Window {
     pub fn open(path: &Path) -> Result<Self, FileErrorKind> {
-        let file = File::open(path)?;
-        let metadata = file.metadata()?;
-        // A device or a pipe may go on for ever.
-        if !metadata.is_file() {
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file").into());
-        }
-        Ok(Self { file, length: metadata.len() })
+        let file = regular_file::open(path)?;
+        let length = file.metadata()?.len();
+        Ok(Self { file, length })
     }
 
     /// So many bytes from a place on.

@@ -22,6 +22,7 @@ use crate::detect::{Format, detect};
 use crate::error::{FileError, FileErrorKind};
 use crate::facts::Facts;
 use crate::read::{FileInfo, file_head};
+use crate::regular_file;
 use crate::scalar::{Endian, ScalarType};
 use crate::vtk::{self, Content};
 
@@ -160,6 +161,9 @@ pub(crate) fn by_extension(extension: &str) -> Option<PointFormat> {
     })
 }
 
+/// Longest list of points, which is taken into memory as a whole: a thousand million of them in binary.
+const MAX_BYTES: u64 = 1 << 34;
+
 /// Reads points of a known format.
 pub(crate) fn read_as(format: PointFormat, path: &Path, options: &PointOptions) -> Result<LoadedPoints, FileError> {
     let in_file = |kind| FileError::new(path, kind);
@@ -168,7 +172,7 @@ pub(crate) fn read_as(format: PointFormat, path: &Path, options: &PointOptions) 
         let allowed = "the format itself tells which numbers are positions; only text has a choice";
         return Err(in_file(FileErrorKind::field("columns.position", "names", allowed)));
     }
-    let bytes = || std::fs::read(path).map_err(|e| FileError::new(path, e));
+    let bytes = || regular_file::read(path, MAX_BYTES).map_err(|e| FileError::new(path, e));
     let found = match format {
         PointFormat::Delimited => delimited::read(&bytes()?, options),
         PointFormat::Npy => npy::read(&bytes()?),

@@ -12,6 +12,7 @@ use png::{Decoder, DecodingError, Info, Limits};
 
 use super::Texts;
 use crate::picture_read::PictureError;
+use crate::regular_file;
 
 /// Name of the chunk or attribute that holds the record.
 const KEY: &str = "vr";
@@ -52,7 +53,7 @@ pub(super) fn exr_attributes(texts: &Texts) -> LayerAttributes {
 /// Reads the text of the record in a picture; `None` where there is none.
 pub(super) fn read_text(path: &Path) -> Result<Option<String>, PictureError> {
     let io = |source| PictureError::Io { path: path.into(), source };
-    let mut file = File::open(path).map_err(io)?;
+    let mut file = regular_file::open(path).map_err(io)?;
     let mut head = Vec::new();
     (&mut file).take(4).read_to_end(&mut head).map_err(io)?;
     file.rewind().map_err(io)?;

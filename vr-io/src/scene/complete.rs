@@ -6,6 +6,7 @@ use vr_core::{Options, Scene, View, Volume};
 
 use crate::read::FileInfo;
 
+use super::file_name::FileName;
 use super::labels_section::LabelsSection;
 use super::scattering_section::ScatteringSection;
 use super::scene_file::SceneFile;
@@ -74,36 +75,36 @@ impl SceneFile {
     pub fn without_folders(mut self, info: Option<&FileInfo>) -> Self {
         if let Some(VolumeSource::File(source)) = &mut self.volume.source {
             if info.is_some_and(|info| info.format == "DICOM") {
-                source.path = DICOM_NAME.to_owned();
+                source.path = DICOM_NAME.into();
                 // A number tells series of one scan apart; a UID is found in the patient's records.
                 let is_number =
                     |series: &String| series.len() <= MAX_SERIES_DIGITS && series.bytes().all(|c| c.is_ascii_digit());
                 source.series = source.series.take().filter(is_number);
             } else {
-                source.path = name_of(Path::new(&source.path));
+                source.path = name_of(&source.path);
             }
         }
         if let Some(mesh) = &mut self.mesh {
-            mesh.path = name_of(Path::new(&mesh.path));
+            mesh.path = name_of(&mesh.path);
         }
         if let Some(map) = self.scattering.as_mut().and_then(|scattering| scattering.environment_map.as_mut()) {
-            *map = name_of(Path::new(map));
+            *map = name_of(map);
         }
         if let Some(labels) = &mut self.labels {
-            labels.file = name_of(Path::new(&labels.file));
-            labels.names = labels.names.as_deref().map(|names| name_of(Path::new(names)));
+            labels.file = name_of(&labels.file);
+            labels.names = labels.names.as_deref().map(name_of);
         }
         if let Some(file) = self.transfer.as_mut().and_then(|transfer| transfer.file.as_mut()) {
-            *file = name_of(Path::new(file));
+            *file = name_of(file);
         }
         self
     }
 }
 
 /// Returns a file's name without its folder.
-fn name_of(path: &Path) -> String {
+fn name_of(path: &Path) -> FileName {
     // A folder such as `..` has no name.
-    path.file_name().map_or_else(|| "unnamed".to_owned(), |name| name.to_string_lossy().into_owned())
+    path.file_name().unwrap_or("unnamed".as_ref()).into()
 }
 
 /// States size and type of a raw file, which its name may not tell where it is renamed.

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use vr_core::ParameterError;
+use vr_core::memory::MemoryError;
 
 use crate::error::{FileError, shown};
 use crate::picture_read::PictureError;
@@ -14,6 +15,14 @@ pub enum SceneFileError {
     /// The file itself, or one that it names: a volume, points, a mesh, a colour map.
     #[error(transparent)]
     File(#[from] FileError),
+    /// Too little memory for what the scene asks for.
+    #[error("{}{source}", place(path, None))]
+    Memory {
+        /// The file; empty where the scene is from none.
+        path: PathBuf,
+        /// What it is, and what it would need.
+        source: MemoryError,
+    },
     /// The picture of an environment map.
     #[error(transparent)]
     Picture(#[from] PictureError),

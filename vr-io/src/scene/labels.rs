@@ -9,6 +9,7 @@ use vr_core::{GridVolume, ParameterError, Scene, Volume};
 use vr_look::label_color;
 
 use super::error::SceneFileError;
+use super::file_name::FileName;
 use super::labels_section::{LabelLook, LabelName, LabelSection, LabelsSection};
 use crate::error::FileError;
 use crate::labels::{LabelEntry, LoadedLabels, read_labels};
@@ -193,7 +194,7 @@ impl Styles {
     }
 
     /// The section that states every style: it needs no list of names, and leaves nothing to a rule.
-    fn stated(&self, file: &str) -> LabelsSection {
+    fn stated(&self, file: &FileName) -> LabelsSection {
         let label = |&(label, _, style): &(i32, Option<String>, LabelStyle)| {
             let own = LabelSection { label: LabelName::Number(label), ..LabelSection::default() };
             match style {
@@ -209,7 +210,7 @@ impl Styles {
                 }
             }
         };
-        LabelsSection { file: file.to_owned(), label: self.all.iter().map(label).collect(), ..LabelsSection::default() }
+        LabelsSection { file: file.clone(), label: self.all.iter().map(label).collect(), ..LabelsSection::default() }
     }
 
     /// One line on what is drawn.

@@ -2,14 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::file_name::FileName;
+
 /// `[labels]`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LabelsSection {
     /// A file of labels, relative to the scene file ([`crate::read_labels`]).
-    pub file: String,
+    pub file: FileName,
     /// A list of their names and colours, relative to the scene file ([`crate::read_label_list`]).
-    pub names: Option<String>,
+    pub names: Option<FileName>,
     /// True for a mask: what has a label is drawn as the volume, and nothing else is.
     #[serde(default)]
     pub mask: bool,

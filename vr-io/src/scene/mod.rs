@@ -4,6 +4,7 @@ mod annotations_section;
 mod commented;
 mod complete;
 mod error;
+mod file_name;
 mod inline;
 mod key_help;
 mod labels;
@@ -21,12 +22,16 @@ mod volume_section;
 
 use std::path::Path;
 
+use vr_core::memory;
+
 use crate::atomic::write_whole;
 use crate::error::{FileError, WriteError};
+use crate::regular_file;
 
 pub use annotations_section::AnnotationsSection;
 pub use commented::commented_scene;
 pub use error::SceneFileError;
+pub use file_name::FileName;
 pub use labels_section::{LabelLook, LabelName, LabelSection, LabelsSection};
 pub use resample_section::{FinestWord, ResampleSection, ResampleSize};
 pub use resolve::{LoadedScene, SceneMesh, outline_scene, preset_by_name, resolve_scene, resolve_scene_around};
@@ -42,13 +47,18 @@ pub use transfer_points::{TransferPoints, TransferRowSection};
 pub use volume::{LoadedVolume, load_volume};
 pub use volume_section::{FileSource, GridDescription, VolumeSection, VolumeSource};
 
+/// Longest scene file: four times one with a volume of 64³ voxels in it. The parser takes fifty times as much memory.
+const MAX_BYTES: u64 = 1 << 24;
+/// Memory of the parser for a byte of text.
+const PARSED: u64 = 50;
+
 /// Reads a scene file, without the files that it names.
 ///
 /// # Errors
 /// A [`SceneFileError`] naming the file and the line; an unknown key comes with the known one most like it.
 pub fn read_scene(path: impl AsRef<Path>) -> Result<SceneFile, SceneFileError> {
     let path = path.as_ref();
-    let text = std::fs::read_to_string(path).map_err(|e| FileError::new(path, e))?;
+    let text = regular_file::read_text(path, MAX_BYTES).map_err(|e| FileError::new(path, e))?;
     parse_scene(&text, path)
 }
 
@@ -57,6 +67,8 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<SceneFile, SceneFileError> {
 /// # Errors
 /// A [`SceneFileError`] naming the line; an unknown key comes with the known one most like it.
 pub fn parse_scene(text: &str, path: &Path) -> Result<SceneFile, SceneFileError> {
+    memory::check("the scene file", PARSED * text.len() as u64)
+        .map_err(|source| SceneFileError::Memory { path: path.into(), source })?;
     toml::from_str(text).map_err(|e| SceneFileError::of_toml(&e, text, path))
 }
 

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use vr_core::scattering::{Albedo, PhaseFunction, PointLight, Scattering};
 use vr_core::{Light, ParameterError};
 
+use super::file_name::FileName;
 use super::sections::{LightEntry, white};
 use super::surface_entry::SurfaceEntry;
 
@@ -30,7 +31,7 @@ pub struct ScatteringSection {
     pub environment: [f64; 3],
     /// File of a picture of all directions, relative to the scene file ([`crate::read_environment_map`]): its light adds to the environment.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub environment_map: Option<String>,
+    pub environment_map: Option<FileName>,
     /// The lights; one of colour L sheds π L on a surface that faces it.
     pub lights: Vec<LightEntry>,
     /// Lights at a place; one of colour L sheds π L / d² at the distance d.

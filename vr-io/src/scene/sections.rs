@@ -6,6 +6,7 @@ use vr_core::{
     Camera, Compositing, ControlPoint, GradientMethod, Light, OpacityRule, Options, ParameterError, Projection, Shading,
 };
 
+use super::file_name::FileName;
 use super::transfer_points::TransferRowSection;
 
 /// Look of a scene without a transfer function.
@@ -30,7 +31,7 @@ pub struct TransferSection {
     /// The range of values that a preset or a file is stretched over; if absent the preset's or file's own, or the volume's.
     pub range: Option<[f64; 2]>,
     /// Or a file of a transfer function ([`crate::read_transfer`]), relative to the scene file.
-    pub file: Option<String>,
+    pub file: Option<FileName>,
     /// World length that the opacities belong to; the volume's mean spacing if absent.
     pub unit_distance: Option<f64>,
     /// Meaning of the opacities.
@@ -221,7 +222,7 @@ impl CameraSection {
 #[serde(deny_unknown_fields)]
 pub struct MeshSection {
     /// A mesh file, relative to the scene file.
-    pub path: String,
+    pub path: FileName,
     /// Linear RGB all over; the mesh's own colours, or grey, if absent.
     pub color: Option<[f64; 3]>,
 }

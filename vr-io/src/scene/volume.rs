@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use vr_core::{ControlPoint, Filter, ParameterError, Volume, phantom};
+use vr_core::{ControlPoint, Filter, ParameterError, Volume, memory, phantom};
 
 use crate::error::FileError;
 use crate::points::PointOptions;
@@ -52,6 +52,8 @@ fn volume_of(
     read: impl Fn(&Path, &ReadOptions) -> Result<Option<Loaded>, FileError>,
 ) -> Result<Option<LoadedVolume>, SceneFileError> {
     let in_file = |source| SceneFileError::Parameter { path: path.into(), source };
+    let in_memory =
+        |what, bytes| memory::check(what, bytes).map_err(|source| SceneFileError::Memory { path: path.into(), source });
     let made = |volume: Volume, transfer| LoadedVolume { volume, info: None, transfer, notes: Vec::new() };
     let mut loaded = match &section.source {
         None => return Err(in_file(wrong("volume", "nothing", NO_SOURCE))),
@@ -63,10 +65,13 @@ fn volume_of(
             }
         }
         Some(VolumeSource::Phantom { name, size }) => {
+            let voxels = (size.unwrap_or(PHANTOM_SIZE) as u64).saturating_pow(3);
+            in_memory("the phantom", voxels.saturating_mul(size_of::<f32>() as u64))?;
             let (volume, transfer) = sampled_phantom(name, size.unwrap_or(PHANTOM_SIZE)).map_err(in_file)?;
             made(volume, Some(transfer))
         }
         Some(VolumeSource::PhantomPoints { name, count }) => {
+            in_memory("the phantom", (count.unwrap_or(PHANTOM_POINTS) as u64).saturating_mul(BYTES_PER_POINT))?;
             let volume = phantom_of_points(name, count.unwrap_or(PHANTOM_POINTS)).map_err(in_file)?;
             made(volume, phantom::point_transfer_function(name))
         }
@@ -169,6 +174,9 @@ fn phantom_of_points(name: &str, count: usize) -> Result<Volume, ParameterError>
 const PHANTOM_SIZE: usize = 64;
 /// The sizes that a phantom may have; the largest takes 32 GiB.
 const PHANTOM_SIZES: std::ops::RangeInclusive<usize> = 2..=2048;
+
+/// Memory of a point: position, radius, weight and value, and a place in the order of neighbours.
+const BYTES_PER_POINT: u64 = 56;
 
 /// Points of a phantom of which no count is given.
 const PHANTOM_POINTS: usize = 10_000;

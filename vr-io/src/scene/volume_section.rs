@@ -14,6 +14,7 @@ use crate::scalar::{Endian, ScalarType};
 use crate::toml_table::table_of;
 
 use super::error::unknown_name;
+use super::file_name::FileName;
 use super::resample_section::{ResampleSection, ResampleSize};
 
 /// `[volume]`: a source, and the filter that makes the field of a grid.
@@ -68,7 +69,7 @@ pub enum VolumeSource {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FileSource {
     /// A path, relative to the scene file.
-    pub path: String,
+    pub path: FileName,
     /// Number of a frame of a series.
     pub frame: Option<usize>,
     /// Number of a component of several.
@@ -169,7 +170,7 @@ pub(super) fn unknown_phantom(name: &str) -> ParameterError {
 #[derive(Clone, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct Keys {
-    path: Option<String>,
+    path: Option<FileName>,
     phantom: Option<String>,
     size: Option<usize>,
     data: Option<Vec<f64>>,

@@ -12,6 +12,7 @@ use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use crate::claim::check_claim;
 use crate::error::{FieldError, FileError, FileErrorKind};
+use crate::regular_file;
 use crate::scalar::ScalarType;
 use crate::tiff::{self, Spacing, decode_page, first_page};
 
@@ -206,7 +207,7 @@ type BmpFile = BmpDecoder<BufReader<File>>;
 
 /// The decoder of a BMP file, and the greys of its palette, if there is one and nothing in it has a colour.
 fn bmp(path: &Path) -> Result<(BmpFile, Option<Vec<u8>>), FileError> {
-    let file = File::open(path).map_err(|e| FileError::new(path, e))?;
+    let file = regular_file::open(path).map_err(|e| FileError::new(path, e))?;
     let decoder = BmpDecoder::new(BufReader::new(file)).map_err(|e| refuse(path, Kind::Bmp, e))?;
     let grey = |&[r, g, b]: &[u8; 3]| (r == g && g == b).then_some(r);
     let greys = decoder.get_palette().and_then(|palette| palette.iter().map(grey).collect());
@@ -215,7 +216,7 @@ fn bmp(path: &Path) -> Result<(BmpFile, Option<Vec<u8>>), FileError> {
 
 /// The largest number that a PNM file states.
 fn pnm_maximum(path: &Path) -> Result<u32, FileError> {
-    let file = File::open(path).map_err(|e| FileError::new(path, e))?;
+    let file = regular_file::open(path).map_err(|e| FileError::new(path, e))?;
     let decoder = PnmDecoder::new(BufReader::new(file)).map_err(|e| refuse(path, Kind::Pnm, e))?;
     Ok(decoder.into_inner().1.maximal_sample())
 }
@@ -253,7 +254,7 @@ fn kind_of(path: &Path) -> Result<Kind, FileError> {
 }
 
 fn open(path: &Path, kind: Kind) -> Result<ImageReader<BufReader<File>>, FileError> {
-    let file = File::open(path).map_err(|e| FileError::new(path, e))?;
+    let file = regular_file::open(path).map_err(|e| FileError::new(path, e))?;
     let mut reader = ImageReader::new(BufReader::new(file));
     reader.set_format(match kind {
         Kind::Tiff => ImageFormat::Tiff,

@@ -14,13 +14,12 @@ mod volume_property;
 mod write;
 mod xml;
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use vr_core::{ControlPoint, Filter, OpacityRule, Shading};
 
 use crate::error::{FieldError, FileError};
+use crate::regular_file;
 use crate::scene::{TransferPoints, TransferRowSection, stretching};
 
 pub use paraview::{ColorMap, parse_color_maps, read_color_maps};
@@ -128,13 +127,7 @@ const FORMATS: &str = "ParaView's JSON or XML, 3D Slicer's .vp, .vp.json or pres
 /// A [`FileError`] naming the file and the field.
 pub fn read_transfer(path: impl AsRef<Path>) -> Result<TransferFile, FileError> {
     let path = path.as_ref();
-    let file = File::open(path).map_err(|e| FileError::new(path, e))?;
-    let mut bytes = Vec::new();
-    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(|e| FileError::new(path, e))?;
-    if bytes.len() as u64 > MAX_BYTES {
-        let allowed = format!("must be at most 16 MiB: {FORMATS}");
-        return Err(FieldError::new("transfer function", "more than 16 MiB", allowed).in_file(path));
-    }
+    let bytes = regular_file::read(path, MAX_BYTES).map_err(|e| FileError::new(path, e))?;
     parse_transfer(&bytes, path)
 }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::error::FileErrorKind;
+use crate::regular_file;
 
 use super::bytes::Bytes;
 use super::map::Map;
@@ -38,12 +39,15 @@ impl Grid {
     }
 }
 
+/// Longest file, which is taken into memory as a whole.
+const MAX_BYTES: u64 = 1 << 34;
+
 /// Most grids of a file.
 const MAX_GRIDS: u32 = 4096;
 
 impl VdbFile {
     pub fn read(path: &Path) -> Result<Self, FileErrorKind> {
-        let all = std::fs::read(path)?;
+        let all = regular_file::read(path, MAX_BYTES)?;
         let mut bytes = Bytes::new(&all, 0);
         bytes.take(8)?;
         let version = bytes.u32()?;

@@ -1,6 +1,5 @@
 //! Headers in XML: `VoreenData` with volumes, each of raw data, metadata, and data derived from these, which are left out.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -11,6 +10,7 @@ use vr_core::Calibration;
 use crate::error::{FieldError, FileError};
 use crate::layout::{Axis, Layout, Role};
 use crate::read::{Description, ReadOptions};
+use crate::regular_file;
 use crate::scalar::ScalarType;
 use crate::world::Space;
 
@@ -30,7 +30,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     let in_file = |e: FieldError| e.in_file(path);
     let mut notes = Vec::new();
     let mut text = String::new();
-    let file = File::open(path).map_err(|e| FileError::new(path, e))?;
+    let file = regular_file::open(path).map_err(|e| FileError::new(path, e))?;
     file.take(LONGEST).read_to_string(&mut text).map_err(|e| FileError::new(path, e))?;
     let document = Document::parse(&text).map_err(|e| in_file(FieldError::new("XML", e, "must be well-formed")))?;
     let volumes: Vec<Node<'_, '_>> = document.descendants().filter(|n| n.has_tag_name("Volume")).collect();

@@ -14,6 +14,7 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::read::ZlibDecoder;
 use lzma_rust2::XzReader;
 
+use crate::regular_file;
 use crate::scalar::Endian;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +73,7 @@ pub(super) struct Coded {
 
 impl Coded {
     pub fn open(path: &Path, at: Range<u64>, base64: bool) -> io::Result<Self> {
-        let file = File::open(path)?;
+        let file = regular_file::open(path)?;
         // The file may have become shorter since its header was read.
         let end = at.end.min(file.metadata()?.len());
         Ok(Self { file, at: at.start..end, base64 })
@@ -174,7 +175,7 @@ impl Coded {
 
 /// Reads a part of a file.
 pub(super) fn read_range(path: &Path, at: &Range<u64>) -> io::Result<Vec<u8>> {
-    let mut file = File::open(path)?;
+    let mut file = regular_file::open(path)?;
     file.seek(SeekFrom::Start(at.start))?;
     let mut bytes = Vec::new();
     file.take(at.end - at.start).read_to_end(&mut bytes)?;

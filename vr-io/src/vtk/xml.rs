@@ -1,6 +1,5 @@
 //! VTK's XML: the text, which ends where appended data begin, and what the root says about all arrays.
 
-use std::fs::File;
 use std::io::{self, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -8,6 +7,7 @@ use std::path::{Path, PathBuf};
 use roxmltree::{Document, Node};
 
 use crate::error::FileErrorKind;
+use crate::regular_file;
 use crate::scalar::Endian;
 
 use super::coded::{Compressor, SizeWords};
@@ -42,15 +42,11 @@ const TAG: &[u8] = b"<AppendedData";
 impl XmlFile {
     /// Reads a file up to its appended data, which need not be XML.
     pub fn open(path: &Path) -> Result<Self, FileErrorKind> {
-        let mut file = File::open(path)?;
-        let metadata = file.metadata()?;
-        // A device or a pipe may go on for ever.
-        if !metadata.is_file() {
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file").into());
-        }
+        let mut file = regular_file::open(path)?;
+        let length = file.metadata()?.len();
         let mut bytes = Vec::new();
         let found = read_to_tag(&mut file, &mut bytes)?;
-        let length = metadata.len().max(bytes.len() as u64);
+        let length = length.max(bytes.len() as u64);
         let mut appended = Appended { at: length..length, base64: false };
         if let Some(tag) = found {
             let missing = || FileErrorKind::field("AppendedData", "no '_'", "its bytes begin behind '_'");

@@ -4,7 +4,10 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
+use tempfile::TempDir;
+
 use crate::error::WriteError;
+use crate::unfinished::{self, UnderWay};
 
 use super::refused;
 
@@ -17,17 +20,17 @@ pub(super) fn check_vacant(path: &Path, advice: &str) -> Result<(), WriteError> 
 }
 
 /// A new folder beside a place, gone again unless it is renamed to it.
-pub(super) fn beside(path: &Path) -> io::Result<tempfile::TempDir> {
-    temporary_folder(or_here(path.parent().unwrap_or(Path::new(""))))
+pub(super) fn beside(path: &Path) -> io::Result<(TempDir, UnderWay)> {
+    unfinished::folder_in(or_here(path.parent().unwrap_or(Path::new(""))))
 }
 
 /// A new folder within a folder, gone again when it is dropped.
-pub(super) fn within(folder: &Path) -> io::Result<tempfile::TempDir> {
-    temporary_folder(or_here(folder))
+pub(super) fn within(folder: &Path) -> io::Result<(TempDir, UnderWay)> {
+    unfinished::folder_in(or_here(folder))
 }
 
 /// Gives a new folder its place.
-pub(super) fn rename(temporary: tempfile::TempDir, path: &Path) -> io::Result<()> {
+pub(super) fn rename(temporary: TempDir, path: &Path) -> io::Result<()> {
     // An empty folder makes room.
     if path.is_dir() {
         fs::remove_dir(path)?;
@@ -41,13 +44,4 @@ pub(super) fn rename(temporary: tempfile::TempDir, path: &Path) -> io::Result<()
 /// The folder, or the current one where it has no name.
 pub(super) fn or_here(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
-}
-
-fn temporary_folder(beside: &Path) -> io::Result<tempfile::TempDir> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".vr-").suffix(".part");
-    // As any new folder has them, less the user's mask; temporary folders are private otherwise.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
-    builder.tempdir_in(beside)
 }

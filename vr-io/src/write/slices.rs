@@ -73,7 +73,7 @@ impl SliceFiles {
             folder::check_vacant(job.path, "name a new one, or a pattern such as slice_%03d.png in it")?;
         }
         let temporary = if self.whole_folder { folder::beside(&self.folder) } else { folder::within(&self.folder) };
-        let temporary = temporary.map_err(failed)?;
+        let (temporary, _under_way) = temporary.map_err(failed)?;
         let [nx, ny, _] = job.grid.dims();
         parallel::try_collect(self.names.len(), |z| {
             let name = &self.names[z];

@@ -51,7 +51,7 @@ pub(super) fn write(job: &mut Job<'_>) -> Result<ScalarType, WriteError> {
     let names = along.map_or([0, 1, 2], |along| along.map(|(world, _)| world)).map(|world| NAMES[world]);
 
     let failed = |source: io::Error| WriteError::Io { path: job.path.into(), source };
-    let temporary = folder::beside(job.path).map_err(failed)?;
+    let (temporary, _under_way) = folder::beside(job.path).map_err(failed)?;
     let reduction = job.options.levels.reduction;
     let group = group(grid.placement(), &levels, reduction, names, unit(job));
     write_json(&temporary.path().join("zarr.json"), &group).map_err(failed)?;

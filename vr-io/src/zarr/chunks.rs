@@ -1,6 +1,5 @@
 //! The chosen chunks: where they are, and how their numbers come to their places.
 
-use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
@@ -8,6 +7,7 @@ use vr_core::parallel;
 
 use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::layout::Layout;
+use crate::regular_file;
 
 use super::metadata::Array;
 
@@ -190,7 +190,7 @@ impl Selection {
         let (entry, entries) = inner.fold((0u64, 1u64), |(at, all), (i, n)| {
             (at.saturating_mul(n as u64).saturating_add(i as u64), all.saturating_mul(n as u64))
         });
-        let mut file = File::open(path)?;
+        let mut file = regular_file::open(path)?;
         let length = file.metadata()?.len();
         let checksum = if shard.table_has_checksum { 4 } else { 0 };
         let table = entries.saturating_mul(16).saturating_add(checksum);
@@ -240,10 +240,7 @@ impl Selection {
 
 /// Part of a file, `max_bytes` of it at most: a chunk that is longer is cut off, which its decoder or its length then tells.
 fn read_part(path: &Path, start: u64, length: u64, max_bytes: usize) -> io::Result<Vec<u8>> {
-    let mut file = File::open(path)?;
-    if !file.metadata()?.is_file() {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));
-    }
+    let mut file = regular_file::open(path)?;
     file.seek(SeekFrom::Start(start))?;
     let mut out = Vec::new();
     file.take(length.min(max_bytes as u64 + 1)).read_to_end(&mut out)?;

@@ -1,12 +1,11 @@
 //! The files of JSON that make a folder an array or a group.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
 use crate::error::{FieldError, FileError};
+use crate::regular_file;
 
 /// Kind of a folder.
 pub(super) enum Node {
@@ -43,12 +42,7 @@ impl Node {
 /// A file of JSON; longer than any that describes arrays is refused.
 fn parse(path: &Path) -> Result<Value, FileError> {
     const MAX_BYTES: u64 = 1 << 24;
-    let io = |e| FileError::new(path, e);
-    let mut text = Vec::new();
-    let length = File::open(path).map_err(io)?.take(MAX_BYTES + 1).read_to_end(&mut text).map_err(io)?;
-    if length as u64 > MAX_BYTES {
-        return Err(FieldError::new("JSON", "more bytes", format!("must be at most {MAX_BYTES}")).in_file(path));
-    }
+    let text = regular_file::read(path, MAX_BYTES).map_err(|e| FileError::new(path, e))?;
     serde_json::from_slice(&text).map_err(|e| FieldError::new("JSON", e, "must be whole").in_file(path))
 }
 

@@ -15,5 +15,5 @@ mod table;
 mod terms;
 
 pub use headline::{headline_plot, headline_table, reaching};
-pub use page::page;
+pub use page::{is_page, page};
 pub use table::csv;

@@ -11,6 +11,14 @@ use crate::suite::Report;
 use super::figure::{command, narrow};
 use super::{cases_section, order_section, plots, subject_section, summary, terms};
 
+/// Name of the program in a page's `generator`.
+const GENERATOR: &str = "vr report";
+
+/// True if a text is a page that [`page`] has made: it may be replaced by the next one.
+pub fn is_page(text: &str) -> bool {
+    text.contains(&format!("<meta name=\"generator\" content=\"{GENERATOR}\">"))
+}
+
 const STYLE: &str = include_str!("style.css");
 
 /// Returns a report as an HTML page with everything in it: plots, pictures, tables, and the meaning of every term.
@@ -28,6 +36,7 @@ pub fn page(report: &Report) -> Result<String, StudyError> {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
+                meta name="generator" content=(GENERATOR);
                 title { (title) }
                 style { (PreEscaped(STYLE)) }
             }

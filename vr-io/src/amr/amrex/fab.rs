@@ -1,11 +1,11 @@
 //! The numbers of a box in a file (FAB): a line that tells their form, then all cells of one component after the other.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::PathBuf;
 
 use crate::decode::numbers_as_f64;
 use crate::error::{FieldError, FileErrorKind};
+use crate::regular_file;
 use crate::scalar::{Endian, ScalarType};
 
 use super::super::amr_file::{BlockBox, count_of};
@@ -84,7 +84,7 @@ impl Fab {
             let form = Form { reals, first: self.first, last: self.last, components: usize::MAX };
             return Ok((form, self.offset));
         }
-        let mut file = BufReader::new(File::open(&self.path)?);
+        let mut file = BufReader::new(regular_file::open(&self.path)?);
         file.seek(SeekFrom::Start(self.offset))?;
         let mut line = Vec::new();
         file.take(MAX_LINE).read_until(b'\n', &mut line)?;
@@ -128,7 +128,7 @@ impl Fab {
         let bytes = count.and_then(|n| (n as u64).checked_mul(size));
         let place = bytes.and_then(|n| n.checked_mul(component as u64)?.checked_add(begin));
         let (bytes, place) = bytes.zip(place).ok_or_else(|| wrong(shown.clone(), "must have fewer cells"))?;
-        let mut file = File::open(&self.path)?;
+        let mut file = regular_file::open(&self.path)?;
         let there = file.metadata()?.len().saturating_sub(place);
         if bytes > there {
             let found = format!("{there} bytes for component {component}");

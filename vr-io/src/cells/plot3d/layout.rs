@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
+use crate::regular_file;
 use crate::scalar::{Endian, ScalarType};
 
 /// The two kinds of files.
@@ -45,20 +46,17 @@ const MAX: u64 = 1 << 24;
 impl Layout {
     /// Finds the one layout under which the length of a file is what its sizes add up to, exactly or filled up to whole blocks.
     pub fn find(path: &Path, content: Content) -> Option<Self> {
-        let mut file = File::open(path).ok()?;
-        let metadata = file.metadata().ok()?;
-        if !metadata.is_file() {
-            return None;
-        }
+        let mut file = regular_file::open(path).ok()?;
+        let length = file.metadata().ok()?.len();
         let forms = [Endian::Little, Endian::Big].into_iter().flat_map(|endian| {
             [false, true]
                 .into_iter()
                 .flat_map(move |has_marks| [false, true].map(|several| (endian, has_marks, several)))
         });
         let headers: Vec<Header> = forms
-            .filter_map(|(endian, has_marks, several)| header(&mut file, metadata.len(), endian, has_marks, several))
+            .filter_map(|(endian, has_marks, several)| header(&mut file, length, endian, has_marks, several))
             .collect();
-        let fit = |is_filled_up| headers.iter().find_map(|header| header.fit(metadata.len(), content, is_filled_up));
+        let fit = |is_filled_up| headers.iter().find_map(|header| header.fit(length, content, is_filled_up));
         fit(false).or_else(|| fit(true))
     }
 }

@@ -5,7 +5,6 @@
 
 mod layout;
 
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
@@ -13,6 +12,7 @@ use glam::DVec3;
 
 use crate::decode::numbers_as_f64;
 use crate::error::{FileError, FileErrorKind};
+use crate::regular_file;
 use crate::scalar::ScalarType;
 use crate::vtk::Candidate;
 
@@ -84,7 +84,7 @@ fn beside(path: &Path, parts: &[(&str, &str)], endings: &[&str], content: Conten
 fn numbers(path: &Path, layout: &Layout, at: u64, scalar: ScalarType, count: usize) -> Result<Vec<f64>, FileError> {
     let read = || -> std::io::Result<Vec<u8>> {
         let length = count as u64 * scalar.bytes() as u64;
-        let mut file = File::open(path)?;
+        let mut file = regular_file::open(path)?;
         file.seek(SeekFrom::Start(at))?;
         let mut bytes = Vec::new();
         file.take(length).read_to_end(&mut bytes)?;

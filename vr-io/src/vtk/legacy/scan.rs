@@ -7,6 +7,7 @@ use std::path::Path;
 
 use crate::decode::numbers_as_f64;
 use crate::error::{FileErrorKind, shown};
+use crate::regular_file;
 use crate::scalar::{Endian, ScalarType};
 use crate::vtk::coded::read_range;
 use crate::vtk::words::{self, BadWord};
@@ -57,14 +58,10 @@ pub(super) struct Scan {
 impl Scan {
     /// The begin of a file, which is text until it says otherwise.
     pub fn open(path: &Path) -> io::Result<Self> {
-        let file = File::open(path)?;
-        let metadata = file.metadata()?;
-        // A device or a pipe may go on for ever.
-        if !metadata.is_file() {
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));
-        }
+        let file = regular_file::open(path)?;
+        let length = file.metadata()?.len();
         let here = Place { at: 0, lines: 0, at_line: true };
-        Ok(Self { file: BufReader::with_capacity(1 << 16, file), length: metadata.len(), here, binary: false })
+        Ok(Self { file: BufReader::with_capacity(1 << 16, file), length, here, binary: false })
     }
 
     /// The next line that is not empty, without blanks around it.
