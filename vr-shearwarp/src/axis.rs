@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 use vr_core::filter::Lattice;
 use vr_core::parallel::each_part;
 use vr_core::{AnyGrid, GridVolume, LatticeVisitor, RenderError, UniformGrid, Voxel, gradient_at_sample};
@@ -11,6 +11,7 @@ use crate::codes::Codes;
 use crate::encode::{Dense, Layout, Leveled, PAD, Rule, Runs, VisibleBlocks, block_runs, packed};
 use crate::reflections::encode;
 use crate::shear_warp::EmptySpace;
+use crate::steepness::unit;
 
 /// Runs of cells, in layers or between them.
 #[derive(Clone, Debug)]
@@ -50,6 +51,8 @@ pub(crate) struct Voxels {
     pub(crate) codes: Codewords,
     /// Codes of the normals; none where nothing is shaded.
     pub(crate) normals: Vec<u16>,
+    /// World gradients in [`unit`]s, component by component; none where no opacity follows them.
+    pub(crate) gradients: [Vec<f32>; 3],
 }
 
 impl Voxels {
@@ -62,7 +65,8 @@ impl Voxels {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.codes.bytes() + self.normals.len() * 2
+        let gradients: usize = self.gradients.iter().map(|component| component.len() * 4).sum();
+        self.codes.bytes() + self.normals.len() * 2 + gradients
     }
 }
 
@@ -93,6 +97,8 @@ pub(crate) struct Encoder<'a> {
     pub(crate) between: bool,
     pub(crate) empty_space: EmptySpace,
     pub(crate) shaded: bool,
+    /// True if opacity follows the gradients of voxels.
+    pub(crate) steep: bool,
 }
 
 impl Encoder<'_> {
@@ -138,7 +144,8 @@ impl Encoder<'_> {
         };
         let codes = keep(packing.pack(&dense, code));
         let normals = self.normals(dense.layout, &|row| packing.fill(row));
-        Ok(EncodedAxis { cells, voxels: Arc::new(Voxels { codes, normals }) })
+        let gradients = self.gradients(dense.layout, &|row| packing.fill(row));
+        Ok(EncodedAxis { cells, voxels: Arc::new(Voxels { codes, normals, gradients }) })
     }
 
     fn all_voxels(&self, turned: bool) -> Voxels {
@@ -150,24 +157,44 @@ impl Encoder<'_> {
             AnyGrid::F32(grid) => Codewords::Words(lying(grid, turned, |s| self.codes.code(s))),
         };
         let layout = Layout::new(self.volume.dims(), if turned { 0 } else { 2 });
-        let [nu, nv, nw] = layout.size;
-        let normals = self.normals(layout, &|fill| {
-            // As they lie, rows are one behind the other along the axis of the second longest stride.
-            let mut normals = vec![0; nu * nv * nw + PAD];
-            each_part(normals[..nu * nv * nw].chunks_mut(nu), |row, normals| fill([0, row % nv, row / nv], normals));
-            normals
-        });
-        Voxels { codes, normals }
+        let normals = self.normals(layout, &|fill| all_rows(layout, fill));
+        let gradients = self.gradients(layout, &|fill| all_rows(layout, fill));
+        Voxels { codes, normals, gradients }
     }
 
     /// Codes of normals in the order in which `order` asks for them; none where nothing is shaded.
-    fn normals(&self, layout: Layout, order: &dyn Fn(&FillRow<'_>) -> Vec<u16>) -> Vec<u16> {
+    fn normals(&self, layout: Layout, order: &dyn Fn(&FillRow<'_, u16>) -> Vec<u16>) -> Vec<u16> {
         if !self.shaded {
             return Vec::new();
         }
         let (to_world, _) = self.volume.placement().scaled_gradient_matrix(1.0);
-        self.volume.with_lattice(Normals { layout, order, to_world })
+        self.volume.with_lattice(OfGradients { layout, order, to_world, of: encode })
     }
+
+    /// World gradients in the same order; none where no opacity follows them.
+    fn gradients(&self, layout: Layout, order: &dyn Fn(&FillRow<'_, f32>) -> Vec<f32>) -> [Vec<f32>; 3] {
+        if !self.steep {
+            return Default::default();
+        }
+        let to_world = gradient_matrix(self.volume);
+        std::array::from_fn(|c| {
+            self.volume.with_lattice(OfGradients { layout, order, to_world, of: |gradient: [f32; 3]| gradient[c] })
+        })
+    }
+}
+
+/// From gradients of stored numbers per index step to those in the world, in [`unit`]s.
+pub(crate) fn gradient_matrix(volume: &GridVolume) -> DMat3 {
+    let (placement, factor) = (volume.placement(), volume.calibration().slope / unit(volume));
+    DMat3::from_cols_array_2d(&DVec3::AXES.map(|axis| (placement.gradient_to_world(axis) * factor).to_array()))
+}
+
+/// Fills all voxels row by row; as they lie, rows are one behind the other along the axis of the second longest stride.
+fn all_rows<V: Copy + Default + Send>(layout: Layout, fill: &FillRow<'_, V>) -> Vec<V> {
+    let [nu, nv, nw] = layout.size;
+    let mut all = vec![V::default(); nu * nv * nw + PAD];
+    each_part(all[..nu * nv * nw].chunks_mut(nu), |row, values| fill([0, row % nv, row / nv], values));
+    all
 }
 
 /// Codes of all voxels, with rows along x, or along y where they are to be turned.
@@ -188,26 +215,29 @@ fn lying<T: Voxel, P: Default + Clone + Send>(
     codes
 }
 
-/// Fills a row of codes of normals, from a voxel (u, v, k) on.
-type FillRow<'a> = dyn Fn([usize; 3], &mut [u16]) + Sync + 'a;
+/// Fills a row of numbers of voxels, from a voxel (u, v, k) on.
+type FillRow<'a, V> = dyn Fn([usize; 3], &mut [V]) + Sync + 'a;
 
-struct Normals<'a> {
+/// Numbers that follow from the gradients of voxels.
+struct OfGradients<'a, V, F> {
     layout: Layout,
-    order: &'a dyn Fn(&FillRow<'_>) -> Vec<u16>,
-    /// From gradients per index step to gradients in the world, but for their length.
+    order: &'a dyn Fn(&FillRow<'_, V>) -> Vec<V>,
+    /// From gradients per index step to gradients in the world.
     to_world: DMat3,
+    of: F,
 }
 
-impl LatticeVisitor for Normals<'_> {
-    type Output = Vec<u16>;
+impl<V, F: Fn([f32; 3]) -> V + Sync> LatticeVisitor for OfGradients<'_, V, F> {
+    type Output = Vec<V>;
 
-    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Vec<u16> {
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Vec<V> {
         let columns = self.to_world.to_cols_array_2d().map(|c| c.map(|x| x as f32));
-        (self.order)(&|[u, v, k], normals| {
-            for (i, normal) in normals.iter_mut().enumerate() {
+        let of = self.of;
+        (self.order)(&|[u, v, k], numbers| {
+            for (i, number) in numbers.iter_mut().enumerate() {
                 let g = gradient_at_sample::<T, f32>(&lattice, self.layout.position([u + i, v, k]));
                 let world = std::array::from_fn(|i| columns[0][i] * g[0] + columns[1][i] * g[1] + columns[2][i] * g[2]);
-                *normal = encode(world);
+                *number = of(world);
             }
         })
     }

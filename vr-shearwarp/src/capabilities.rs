@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use vr_core::{
-    Compositing, Configurable, Feature, Filter, GradientMethod, GridVolume, RenderError, Scene, Unsupported,
+    Classification, Compositing, Configurable, Feature, Filter, GridVolume, RenderError, Scene, Unsupported,
 };
 use vr_kernels::tables::beyond_f32;
 
 use crate::shear_warp::ShearWarp;
+use crate::steepness::samples_filter_gradients;
 
 pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderError {
     Unsupported { renderer: ShearWarp::NAME, feature, what: what.into() }.into()
@@ -19,29 +20,21 @@ pub(crate) fn check(renderer: &ShearWarp, scene: &Scene) -> Result<Arc<GridVolum
     renderer.validate()?;
     scene.validate()?;
     scene.without_scattering(ShearWarp::NAME)?;
-    if let Compositing::First { .. } = scene.compositing {
-        return Err(unsupported(
-            Feature::Compositing,
-            "compositing 'first': the place of a surface between slices is not known",
-        ));
-    }
-    if scene.surfaces.is_some() {
-        return Err(unsupported(Feature::Surfaces, "opaque surfaces: a texel of the intermediate image is no pixel"));
-    }
     if let Some(option) = idle_option(renderer, scene) {
         return Err(unsupported(
             Feature::Setting,
             format!("{option} under '{}': a ray is left with one value", scene.compositing.name()),
         ));
     }
-    if scene.has_gradient_opacity() {
-        return Err(unsupported(
-            Feature::GradientOpacity,
-            "opacity that follows the gradient: encoded normals have no length",
-        ));
-    }
-    if scene.reflection().is_some_and(|shading| shading.gradient == GradientMethod::Analytic) {
-        return Err(unsupported(Feature::AnalyticGradients, "analytic gradients: normals are encoded at the voxels"));
+    if samples_filter_gradients(scene) {
+        if renderer.classification == Classification::Pre {
+            let what = "analytic gradients of voxels: between the cells around a voxel the trilinear filter's gradient jumps, and has none of its own there";
+            return Err(unsupported(Feature::AnalyticGradients, what));
+        }
+        if renderer.slice_spacing() == 1.0 {
+            let what = "analytic gradients in slices that are layers of voxels: across a layer the trilinear filter's gradient jumps; slices closer than a voxel lie between layers";
+            return Err(unsupported(Feature::AnalyticGradients, what));
+        }
     }
     let volume = scene
         .volume
@@ -65,6 +58,8 @@ fn idle_option(renderer: &ShearWarp, scene: &Scene) -> Option<&'static str> {
         return None;
     }
     let default = ShearWarp::default();
+    // A surface is searched for in the cells that reach its threshold.
+    let shows_all = !matches!(scene.compositing, Compositing::First { .. });
     // A termination of 1 asks for what is done anyway: no ray ends early.
     if renderer.classification != default.classification {
         Some("classified voxels (the option classification)")
@@ -72,7 +67,7 @@ fn idle_option(renderer: &ShearWarp, scene: &Scene) -> Option<&'static str> {
         Some("a termination")
     } else if renderer.opacity_threshold > 0.0 {
         Some("an opacity-threshold")
-    } else if renderer.empty_space != default.empty_space {
+    } else if renderer.empty_space != default.empty_space && shows_all {
         Some("another search for what is visible (the option encoding)")
     } else if !renderer.correction {
         Some("uncorrected opacity (the option correction)")

@@ -1,5 +1,6 @@
 //! Codes of encoded voxels: one or two bytes for the stored number.
 
+use crate::composite::cells::Interpolated;
 use vr_core::{GridVolume, VoxelType};
 
 /// Between stored numbers and codes: integers are their own codes, but for a shift of negative ones; floats are rounded to 65536 levels of
@@ -38,9 +39,14 @@ impl Codes {
         self.origin + self.spacing * code
     }
 
+    /// The code of a stored number, or the place between two codes.
+    pub(crate) fn exact(&self, stored: f64) -> f64 {
+        (stored - self.origin) / self.spacing
+    }
+
     /// Smallest and largest code of the volume.
     pub(crate) fn ends(&self) -> [f64; 2] {
-        self.range.map(|stored| (stored - self.origin) / self.spacing)
+        self.range.map(|stored| self.exact(stored))
     }
 
     /// The code of a stored number; of NaN, 0.
@@ -59,10 +65,9 @@ pub(crate) struct Begin {
 }
 
 /// A code in memory.
-pub(crate) trait Code: Copy + Default + Send + Sync + 'static {
+pub(crate) trait Code: Interpolated + Default + Send + Sync + 'static {
     /// A table of light and opacity that is as long as any for this type of code: an index that cannot be beyond it is not tested.
     type Table: Send + Sync + 'static;
-    fn to_f32(self) -> f32;
     #[cfg(test)]
     fn of(code: u16) -> Self;
     /// Row of a code in a table of codes.
@@ -77,6 +82,12 @@ pub(crate) trait Code: Copy + Default + Send + Sync + 'static {
 
 macro_rules! code {
     ($t:ty, $length:literal) => {
+        impl Interpolated for $t {
+            #[inline(always)]
+            fn to_f32(self) -> f32 {
+                self.into()
+            }
+        }
         impl Code for $t {
             type Table = [[f32; 4]; $length];
             #[cfg(test)]
@@ -102,10 +113,6 @@ macro_rules! code {
                 } else {
                     usize::from(self).wrapping_sub(begin.first) >> begin.shift
                 }
-            }
-            #[inline(always)]
-            fn to_f32(self) -> f32 {
-                self.into()
             }
         }
     };

@@ -62,7 +62,7 @@ impl IndexView {
     }
 
     /// Origin and direction, as linear functions of (x, y, 1): the columns of two matrices.
-    fn origins(&self) -> DMat3 {
+    pub(crate) fn origins(&self) -> DMat3 {
         if self.perspective {
             return DMat3::from_cols(DVec3::ZERO, DVec3::ZERO, self.eye);
         }

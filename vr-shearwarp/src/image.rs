@@ -9,6 +9,8 @@ use crate::composite::{Band, Line};
 pub(crate) struct IntermediateImage {
     size: [usize; 2],
     texels: Vec<[f32; 4]>,
+    /// Depths of what texels see.
+    depths: Vec<f32>,
     links: Vec<u16>,
     lines: Vec<Line>,
 }
@@ -26,6 +28,7 @@ impl IntermediateImage {
         let [width, height] = size;
         self.size = size;
         self.texels.resize(width * height, [0.0; 4]);
+        self.depths.resize(width * height, f32::INFINITY);
         self.links.resize((width + 1) * height, 0);
         self.lines.resize(height, Line::EMPTY);
     }
@@ -38,6 +41,11 @@ impl IntermediateImage {
         &self.texels
     }
 
+    /// Depth of what each texel sees; infinite where it sees nothing.
+    pub(crate) fn depths(&self) -> &[f32] {
+        &self.depths
+    }
+
     pub(crate) fn texels_mut(&mut self) -> &mut [[f32; 4]] {
         &mut self.texels
     }
@@ -48,14 +56,20 @@ impl IntermediateImage {
 
     /// Bands of rows, cut so that each costs about the same if rows cost what they did `before`: for that many threads (Lacroute 1996,
     /// *Analysis of a parallel volume rendering system based on the shear-warp factorization*). A row belongs to one band, and what becomes
-    /// of it does not depend on which.
-    pub(crate) fn bands(&mut self, before: &[u32], threads: usize) -> Vec<Mutex<Band<'_>>> {
+    /// of it does not depend on which. `stops`: depths at which surfaces end the texels' rays; empty where there are none.
+    pub(crate) fn bands<'a>(
+        &'a mut self,
+        before: &[u32],
+        mut stops: &'a [f32],
+        threads: usize,
+    ) -> Vec<Mutex<Band<'a>>> {
         let [width, height] = self.size;
         // A picture of another height tells about the row at the same part of it.
         let cost = |y: usize| ROW + before.get(y * before.len() / height.max(1)).map_or(0, |&c| u64::from(c));
         let all: u64 = (0..height).map(cost).sum();
         let share = (all / (threads * BANDS) as u64).max(1);
         let (mut texels, mut links, mut lines) = (&mut self.texels[..], &mut self.links[..], &mut self.lines[..]);
+        let mut depths = &mut self.depths[..];
         let mut bands = Vec::new();
         let mut first = 0;
         while first < height {
@@ -65,10 +79,20 @@ impl IntermediateImage {
                 rows += 1;
             }
             let (own_texels, other_texels) = texels.split_at_mut(rows * width);
+            let (own_depths, other_depths) = depths.split_at_mut(rows * width);
+            let (own_stops, other_stops) = stops.split_at((rows * width).min(stops.len()));
             let (own_links, other_links) = links.split_at_mut(rows * (width + 1));
             let (own_lines, other_lines) = lines.split_at_mut(rows);
-            bands.push(Mutex::new(Band { first, width, texels: own_texels, links: own_links, lines: own_lines }));
-            (texels, links, lines) = (other_texels, other_links, other_lines);
+            bands.push(Mutex::new(Band {
+                first,
+                width,
+                texels: own_texels,
+                depths: own_depths,
+                stops: own_stops,
+                links: own_links,
+                lines: own_lines,
+            }));
+            (texels, depths, stops, links, lines) = (other_texels, other_depths, other_stops, other_links, other_lines);
             first += rows;
         }
         bands
@@ -97,7 +121,7 @@ mod tests {
             let mut image = IntermediateImage::default();
             image.resize([5, 100]);
             let before: Vec<u32> = (0..100).map(|y| if y < 10 { 10_000 } else { 0 }).collect();
-            let bands = image.bands(&before, threads);
+            let bands = image.bands(&before, &[], threads);
             let bands: Vec<_> = bands.into_iter().map(|b| b.into_inner().unwrap()).collect();
             let mut next = 0;
             for band in &bands {

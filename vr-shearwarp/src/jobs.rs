@@ -10,6 +10,8 @@ use vr_kernels::vector::{Vectorized, run};
 
 use crate::axis::Cells;
 use crate::codes::Code;
+use crate::composite::by_gradient::{ByGradient, Hat, Node};
+use crate::composite::gradients::{GradientShading, Gradients};
 use crate::composite::kernel::Kernel;
 use crate::composite::over::{BY_RAYS, BY_TABLE, Over, UNSHADED};
 use crate::composite::ray_lights::RayLights;
@@ -21,7 +23,8 @@ use crate::optics::{Entry, Optics};
 use crate::passes::Pass;
 use crate::reflections::Reflection;
 use crate::slices::Slices;
-use crate::warp::Warp;
+use crate::steepness::Steepness;
+use crate::warp::DepthWarp;
 
 /// Inputs of all kernels.
 pub(crate) struct Job<'a> {
@@ -29,6 +32,8 @@ pub(crate) struct Job<'a> {
     pub(crate) slices: &'a Slices,
     pub(crate) level: Level,
     pub(crate) before: &'a [u32],
+    /// Depths at which surfaces end the texels' rays; empty where there are none.
+    pub(crate) stops: &'a [f32],
     pub(crate) scratch: &'a Mutex<Vec<Scratch>>,
     pub(crate) control: &'a Control,
 }
@@ -51,7 +56,7 @@ impl Job<'_> {
         image: &mut IntermediateImage,
         work: &(dyn Fn(&mut Band<'_>, &mut Scratch) + Sync),
     ) -> Result<(), RenderError> {
-        let bands = image.bands(self.before, self.control.threads());
+        let bands = image.bands(self.before, self.stops, self.control.threads());
         in_parallel(self.control, bands.len() as u32, |i| {
             let mut band = locked(&bands[i as usize]);
             let mut scratch = locked(self.scratch).pop().unwrap_or_default();
@@ -73,6 +78,15 @@ pub(crate) struct OverJob<'a> {
     pub(crate) termination: f32,
     pub(crate) level: f32,
     pub(crate) before: bool,
+    /// `None` where opacity follows the value alone, and shading the normals of [`Lighting`].
+    pub(crate) steep: Option<SteepMedium<'a>>,
+}
+
+/// A medium whose samples look at gradients.
+pub(crate) struct SteepMedium<'a> {
+    pub(crate) media: &'a Steepness,
+    pub(crate) gradients: Gradients<'a>,
+    pub(crate) shading: GradientShading<'a>,
 }
 
 /// Light that normals reflect, and the rays that it is the same for.
@@ -93,8 +107,12 @@ impl OverJob<'_> {
         image: &mut IntermediateImage,
     ) -> Result<(), RenderError> {
         let (view, f, spacing) = (self.index_view, &self.pass.factorization, job.slices.spacing);
-        // What is interpolated after classification is a sample.
-        let entry = if self.before { Entry::Sample } else { Entry::Depth };
+        if let Some(steep) = &self.steep {
+            return self.draw_steep(steep, voxels, job, image);
+        }
+        // Depths are for ratios; what is interpolated after classification is a sample.
+        let ratios = view.is_perspective() && self.correction;
+        let entry = if self.before || !ratios { Entry::Sample } else { Entry::Depth };
         let lengths = Lengths::<P>::new(self.optics, view, f, spacing, self.correction, entry);
         match (self.before, &self.lighting) {
             (false, Lighting::None) => job.draw(&self.kernel::<P, false, UNSHADED>(voxels, &lengths), image),
@@ -103,6 +121,30 @@ impl OverJob<'_> {
             (true, Lighting::None) => job.draw(&self.kernel::<P, true, UNSHADED>(voxels, &lengths), image),
             (true, Lighting::Table(_)) => job.draw(&self.kernel::<P, true, BY_TABLE>(voxels, &lengths), image),
             (true, Lighting::Rays(_)) => job.draw(&self.kernel::<P, true, BY_RAYS>(voxels, &lengths), image),
+        }
+    }
+
+    /// Draws a medium whose samples look at gradients.
+    fn draw_steep<P: Code>(
+        &self,
+        SteepMedium { media, gradients, shading }: &SteepMedium<'_>,
+        voxels: &[P],
+        job: &Job<'_>,
+        image: &mut IntermediateImage,
+    ) -> Result<(), RenderError> {
+        let (view, f, spacing) = (self.index_view, &self.pass.factorization, job.slices.spacing);
+        let node = |(hat, optics): (Hat, &Optics)| Node {
+            lengths: Lengths::<P>::new(optics, view, f, spacing, self.correction, Entry::Depth),
+            hat,
+        };
+        let nodes: Vec<_> = Hat::of_nodes(&media.nodes).into_iter().zip(&media.optics).map(node).collect();
+        let lengths = &nodes[0].lengths;
+        if self.before {
+            let over = self.kernel::<P, true, UNSHADED>(voxels, lengths);
+            job.draw(&ByGradient { over, nodes: &nodes, gradients, shading }, image)
+        } else {
+            let over = self.kernel::<P, false, UNSHADED>(voxels, lengths);
+            job.draw(&ByGradient { over, nodes: &nodes, gradients, shading }, image)
         }
     }
 
@@ -125,33 +167,37 @@ impl OverJob<'_> {
             lengths,
             termination: self.termination,
             level: self.level,
+            // Light that is cut before has no such depth.
+            half: if self.level < 0.5 { f32::INFINITY } else { 0.5 },
         }
     }
 }
 
-/// Resamples an image onto the screen.
+/// Resamples an image onto the screen, and lowers the world distances of its pixels to those of what the image shows.
 pub(crate) fn warp_rows(
-    warp: &Warp<'_>,
+    warp: &DepthWarp<'_>,
     width: usize,
-    pixels: &mut [[f32; 4]],
+    (pixels, distances): (&mut [[f32; 4]], &mut [f32]),
     level: Level,
     control: &Control,
 ) -> Result<(), RenderError> {
     /// Rows of a task.
     const ROWS: usize = 16;
-    let bands: Vec<_> = pixels.chunks_mut(width * ROWS).map(Mutex::new).collect();
+    let bands: Vec<_> =
+        pixels.chunks_mut(width * ROWS).zip(distances.chunks_mut(width * ROWS)).map(Mutex::new).collect();
     in_parallel(control, bands.len() as u32, |i| {
-        let mut band = locked(&bands[i as usize]);
-        run(level, WarpRows { warp, first: i * ROWS as u32, width, rows: &mut band });
+        let (pixels, distances) = &mut *locked(&bands[i as usize]);
+        run(level, WarpRows { warp, first: i * ROWS as u32, width, pixels, distances });
     })?;
     Ok(())
 }
 
 struct WarpRows<'a> {
-    warp: &'a Warp<'a>,
+    warp: &'a DepthWarp<'a>,
     first: u32,
     width: usize,
-    rows: &'a mut [[f32; 4]],
+    pixels: &'a mut [[f32; 4]],
+    distances: &'a mut [f32],
 }
 
 impl Vectorized for WarpRows<'_> {
@@ -159,8 +205,11 @@ impl Vectorized for WarpRows<'_> {
 
     #[inline(always)]
     fn run<S: fearless_simd::Simd>(self, simd: S) {
-        for (i, row) in self.rows.chunks_exact_mut(self.width).enumerate() {
-            self.warp.row(simd, self.first + i as u32, row);
+        let rows = self.pixels.chunks_exact_mut(self.width).zip(self.distances.chunks_exact_mut(self.width));
+        for (i, (pixels, distances)) in rows.enumerate() {
+            let y = self.first + i as u32;
+            self.warp.warp.row(simd, y, pixels);
+            self.warp.row(simd, y, pixels, distances);
         }
     }
 }

@@ -31,7 +31,7 @@ pub(crate) struct Ratios {
 
 impl<P: Code> Lengths<P> {
     /// `spacing`: part of a voxel from slice to slice. Without `correction` every sample stands for the same length as in a view straight
-    /// along the axis, which is wrong and shows what correction is for. `entry`: what a table holds where texels have ratios.
+    /// along the axis, which is wrong and shows what correction is for. `entry`: what the table holds.
     pub(crate) fn new(
         optics: &Optics,
         view: &IndexView,
@@ -42,7 +42,7 @@ impl<P: Code> Lengths<P> {
     ) -> Self {
         if !view.is_perspective() || !correction {
             let length = length(view, factorization, [0.0; 2], correction) * spacing;
-            return Self { table: P::table(optics.entries(length, Entry::Sample)), ratios: None };
+            return Self { table: P::table(optics.entries(length, entry)), ratios: None };
         }
         let shortest = length(view, factorization, [0.0; 2], false);
         let table = P::table(optics.entries(shortest * spacing, entry));

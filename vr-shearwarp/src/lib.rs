@@ -10,7 +10,7 @@
 //!    that can be seen, which a new transfer function needs no look at voxels for.
 //! 3. **Composite** slices front to back onto the intermediate image, which lies on the volume's far face: where runs of cells
 //!    meet runs of texels that are not opaque yet, sixteen at a time. Opaque texels are leaped over by links.
-//! 4. **Warp** that image onto the screen ([`WarpFilter`]).
+//! 4. **Warp** that image onto the screen ([`WarpFilter`]), and the depths of what its texels see.
 //!
 //! The classic ([`ShearWarp::classic`]) classifies voxels and interpolates their colours. The default interpolates values, classifies them
 //! then, and takes a slice between every two layers: at about the same speed a sample it has a fraction of the error
@@ -58,9 +58,30 @@
 //! the origin 0.21 (0.02); 0.13 where outlines decide (0.02), 0.05 elsewhere (0.01); 7·10⁻⁶ in many faint steps.
 //! No error can be promised.
 //!
-//! # Shading
+//! # Shading and gradients
 //! Normals are encoded, half a degree off on average, and what they reflect is interpolated. Parallel rays share a table of that. In perspective
 //! lights at the eye and highlights change from ray to ray: each texel's own ray decides what the normals around its samples reflect.
+//!
+//! Where opacity follows the gradient, by a factor or by the rows of a transfer function, voxels keep their gradients whole. Those are interpolated, and reflect light, too
+//! (or, of voxels that are classified first, are looked up at each). The trilinear filter's own gradient serves values in slices that lie
+//! between layers of voxels; it jumps where they are layers, and around voxels, so those have none.
+//!
+//! # Depths
+//! A texel's depth is along its own ray: where opacity reaches a half, the medium homogeneous around each slice (order 2 in the distance of slices);
+//! of an extreme, the slice whose sample it is (order 1); of `first`, the surface itself. A pixel has a depth where the coverage between
+//! its four texels is a half at least (the opacity of light, else that a texel has a depth). It is the mean of those texels' depths
+//! that lie on the sheet of the nearest, no more than four texels' width from it: order 2 on a surface, and never a mean across an edge.
+//!
+//! # First surfaces
+//! A texel's ray meets the surface between the first sample that reaches the threshold and the one before, or the point where the ray enters; values
+//! between are taken to be linear (order 2). There it is shaded, by central differences or by the filter's gradient. Runs hold the cells alone that reach the threshold.
+//!
+//! # Opaque surfaces
+//! The layer of a view tells where the rays of pixels end. The ray of a texel ends at a depth that is linear between the four pixels around it, as far as they see
+//! the same surface as the nearest: samples behind that are none, and the last before it stands for all the way to it (order 2). A pixel beside an
+//! outline is interpolated from those of its texels that end at its own surface (Kopf et al. 2007, *Joint bilateral upsampling*), and the layer's own
+//! colour is added behind it: so outlines are as sharp as the layer's. Within a texel of an outline the medium is off by as much as it changes
+//! from one texel to the next (order 1).
 //!
 //! # Views
 //! * Parallel rays shear along the axis that they go most along, so that no slice moves by more than a voxel.
@@ -69,19 +90,20 @@
 //! * Crop boxes, clip planes and, of parallel rays, the plane through the eye cut each texel's ray where they meet it.
 //!
 //! # What it does not do
-//! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; reconstruction filters other than the trilinear one; compositing
-//! `first`, for the place of a surface between slices is not known; opaque surfaces; gradients other than central differences, and opacity
-//! that follows them. It tells no depths.
+//! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; reconstruction filters other than the trilinear one;
+//! media that scatter; the filter's own gradients where they jump (voxels that are classified, and slices that are layers of voxels).
 //! `maximum`, `minimum` and `average` are of the samples in slices.
 
 mod axis;
 mod capabilities;
+mod classified;
 mod codes;
 mod composite;
 mod encode;
 mod factorization;
 mod hard_cases;
 mod image;
+mod isosurface;
 mod jobs;
 mod lengths;
 mod links;
@@ -93,12 +115,17 @@ mod optics;
 mod options;
 mod passes;
 mod prepared;
+mod ray_distances;
 mod reflections;
 mod region;
 mod renderer;
 mod shear_warp;
+mod sheet;
+mod shown;
 mod slices;
+mod steepness;
 mod study;
+mod surface_depths;
 mod warp;
 
 pub use memory::EncodedSize;

@@ -5,15 +5,20 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use vr_core::optics::step_of_thickness;
-use vr_core::{Classification, DiscreteModel, GridVolume, RenderError, Scene, SegmentTerm, View, Voxel};
+use vr_core::transfer::Mixture;
+use vr_core::{
+    Classification, Control, DiscreteModel, GridVolume, Layer, RenderError, Scene, SegmentTerm, View, Voxel,
+};
 
 use crate::capabilities::last_sample;
 use crate::factorization::IndexView;
 use crate::lengths::length;
 use crate::passes::{Pass, passes};
+use crate::ray_distances::RayDistances;
 use crate::region::Region;
 use crate::shear_warp::ShearWarp;
 use crate::slices::{Slice, Slices};
+use crate::steepness::samples_filter_gradients;
 
 /// The sum over slices.
 pub(crate) struct SlicedModel {
@@ -21,6 +26,8 @@ pub(crate) struct SlicedModel {
     scene: Scene,
     volume: Arc<GridVolume>,
     view: IndexView,
+    size: [u32; 2],
+    layer: Option<Layer>,
     passes: Vec<(Pass, Slices)>,
 }
 
@@ -37,7 +44,8 @@ impl SlicedModel {
             Some(region) => {
                 let slices = |pass: &Pass| {
                     let layers = dims[pass.factorization.axes[2]];
-                    Slices::new(pass.factorization, &region, layers, renderer.slice_spacing())
+                    let off_layers = samples_filter_gradients(scene);
+                    Slices::new(pass.factorization, &region, layers, renderer.slice_spacing(), off_layers)
                 };
                 let all = passes(&index_view, region.corners(), last_sample(dims), texel)?;
                 all.into_iter().map(|pass| (pass, slices(&pass))).collect()
@@ -48,6 +56,8 @@ impl SlicedModel {
             scene: scene.clone(),
             volume: Arc::clone(volume),
             view: index_view,
+            size: view.size,
+            layer: scene.layer(view, &Control::default())?,
             passes,
         })
     }
@@ -64,7 +74,12 @@ impl DiscreteModel for SlicedModel {
             if texel.z <= 0.0 || !mine {
                 continue;
             }
-            let chord = slices.chord(at.x, at.y);
+            let mut chord = slices.chord(at.x, at.y);
+            if let Some(layer) = &self.layer {
+                let [w, h] = self.size.map(|n| n as usize);
+                let end = layer.depth((y as usize).min(h - 1) * w + (x as usize).min(w - 1));
+                chord[1] = chord[1].min(RayDistances::new(view, f).depth(DVec2::new(x, y), at, end));
+            }
             let along = (f.sign * view.world_vector(f.step(at.x, at.y))).normalize();
             let distance = length(view, f, [at.x, at.y], self.renderer.correction) * slices.spacing;
             // What is interpolated after classification is so for one length everywhere.
@@ -126,34 +141,43 @@ impl SlicedModel {
             }
             vr_core::with_grid!(volume.values(), g => one(g.samples(), at))
         };
-        let calibration = volume.calibration();
-        let transfer = &self.scene.transfer;
+        let (calibration, transfer) = (volume.calibration(), &self.scene.transfer);
         if corners.iter().any(|&(index, _)| stored(index).is_nan()) || length <= 0.0 {
             return [0.0; 4];
         }
-        let shaded = self.scene.reflection().is_some();
-        // Shading of a sample, and the reflection at a corner.
+        // Shading of a sample.
         let lit = |sample: [f64; 4], (factor, added): ([f64; 3], [f64; 3])| -> [f64; 4] {
             std::array::from_fn(|c| if c < 3 { sample[c] * factor[c] + sample[3] * added[c] } else { sample[3] })
-        };
-        let reflection = |index| {
-            if shaded { self.reflection(index, along) } else { ([1.0; 3], [0.0; 3]) }
         };
         // Classified voxels are interpolated, or the interpolated value is classified.
         match self.renderer.classification {
             Classification::Pre => {
                 let mut sum = [0.0; 4];
                 for &(index, weight) in &corners {
-                    let sample = lit(transfer.step(calibration.value(stored(index)), interpolated), reflection(index));
+                    let gradient = self.gradient(index);
+                    let sample = self.step(calibration.value(stored(index)), gradient.length(), interpolated);
+                    let sample = lit(sample, self.reflection(gradient, along));
                     (0..4).for_each(|c| sum[c] += weight * sample[c]);
                 }
                 step_of_thickness(sum, length / interpolated)
             }
             Classification::Post => {
                 let value: f64 = corners.iter().map(|&(index, weight)| weight * stored(index)).sum();
+                // Where samples look at gradients, those are interpolated; else what normals reflect.
+                if samples_filter_gradients(&self.scene) || self.scene.has_gradient_opacity() {
+                    let gradient = if samples_filter_gradients(&self.scene) {
+                        let mut at = [0.0; 3];
+                        (at[axes[0]], at[axes[1]], at[axes[2]]) = (uv.x, uv.y, slice.layer as f64 + between);
+                        self.world(volume.stored_and_gradient_at(at).1)
+                    } else {
+                        corners.iter().map(|&(index, weight)| weight * self.gradient(index)).sum()
+                    };
+                    let sample = self.step(calibration.value(value), gradient.length(), length);
+                    return lit(sample, self.reflection(gradient, along));
+                }
                 let (mut factor, mut added) = ([0.0; 3], [0.0; 3]);
                 for &(index, weight) in &corners {
-                    let (f, a) = reflection(index);
+                    let (f, a) = self.reflection(self.gradient(index), along);
                     (0..3).for_each(|c| (factor[c], added[c]) = (factor[c] + weight * f[c], added[c] + weight * a[c]));
                 }
                 lit(transfer.step(calibration.value(value), length), (factor, added))
@@ -161,11 +185,41 @@ impl SlicedModel {
         }
     }
 
-    /// Reflection of the normal at a sample to a ray `along` a world direction: factor and summand of light.
-    fn reflection(&self, index: [usize; 3], along: DVec3) -> ([f64; 3], [f64; 3]) {
-        let volume = &*self.volume;
-        let gradient = volume.placement().gradient_to_world(volume.central_differences_at_sample(index).into());
-        let shading = self.scene.shading.as_ref().expect("asked for where something is shaded");
-        shading.along::<f64>(&self.scene.lights, along).reflect(gradient.to_array())
+    /// Light and opacity of a homogeneous step of the medium of a value and a length of the gradient.
+    fn step(&self, value: f64, steepness: f64, length: f64) -> [f64; 4] {
+        let transfer = &self.scene.transfer;
+        let modulation = self.scene.shading.as_ref().map_or(1.0, |shading| shading.modulation(steepness));
+        if !self.scene.has_gradient_opacity() {
+            transfer.step(value, length)
+        } else if transfer.has_rows() {
+            transfer.mixture(value, steepness).step(length)
+        } else if transfer.has_emission() {
+            // Light that is given stays what it is.
+            let at = transfer.at(value);
+            let extinction = if modulation == 0.0 { 0.0 } else { modulation * transfer.extinction(at.opacity) };
+            Mixture { extinction, emission: at.emission }.step(length)
+        } else {
+            transfer.step(value, modulation * length)
+        }
+    }
+
+    /// Gradient in the world of calibrated values at a sample; zero where nothing looks at it.
+    fn gradient(&self, index: [usize; 3]) -> DVec3 {
+        if self.scene.reflection().is_none() && !self.scene.has_gradient_opacity() {
+            return DVec3::ZERO;
+        }
+        self.world(self.volume.central_differences_at_sample(index))
+    }
+
+    fn world(&self, gradient: [f64; 3]) -> DVec3 {
+        self.volume.placement().gradient_to_world(gradient.into()) * self.volume.calibration().slope
+    }
+
+    /// Reflection of a gradient to a ray `along` a world direction: factor and summand of light.
+    fn reflection(&self, gradient: DVec3, along: DVec3) -> ([f64; 3], [f64; 3]) {
+        match self.scene.reflection() {
+            Some(shading) => shading.along::<f64>(&self.scene.lights, along).reflect(gradient.to_array()),
+            None => ([1.0; 3], [0.0; 3]),
+        }
     }
 }

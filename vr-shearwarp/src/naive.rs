@@ -243,8 +243,8 @@ fn compare<P: Code>(case: &Case) -> Differences {
         Classification::Pre => Optics::of_voxels(&scene.transfer, calibration, &codes),
     };
     let entry = match case.renderer.classification {
-        Classification::Post => Entry::Depth,
-        Classification::Pre => Entry::Sample,
+        Classification::Post if case.fov.is_some() => Entry::Depth,
+        _ => Entry::Sample,
     };
     let index_view = IndexView::new(&view, volume.placement()).unwrap();
     let last = last_sample(case.dims);
@@ -263,6 +263,7 @@ fn compare<P: Code>(case: &Case) -> Differences {
             &region,
             case.dims[pass.factorization.axes[2]],
             case.renderer.slice_spacing(),
+            false,
         );
         let lengths = Lengths::<P>::new(&optics, &index_view, &pass.factorization, slices.spacing, true, entry);
         let image = prepared.composited(&index_view, &view, &pass, &slices, &control).unwrap();

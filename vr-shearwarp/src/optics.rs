@@ -93,6 +93,12 @@ impl Optics {
         Self { rows, scale: 1.0, bias: 0.0, begin: Begin { first, shift }, emits: transfer.has_emission() }
     }
 
+    /// The same with all extinction multiplied by a factor. Emission that is given on its own stays; a wall, too, is clear under a factor of 0.
+    pub(crate) fn with_extinction_times(&self, factor: f64) -> Self {
+        let times = |row: &Row| Row { extinction: if factor == 0.0 { 0.0 } else { factor * row.extinction }, ..*row };
+        Self { rows: self.rows.iter().map(times).collect(), ..self.clone() }
+    }
+
     /// First entry of tables of codes.
     #[inline(always)]
     pub(crate) fn codes_begin(&self) -> Begin {

@@ -4,33 +4,39 @@ use std::sync::{Arc, Mutex};
 
 use fearless_simd::Level;
 use glam::DVec3;
-use vr_core::optics::{depth_of_opacity, opacity_of_depth};
 use vr_core::{
-    Calibration, Classification, Compositing, Control, Frame, GridVolume, Light, Model, OpacityRule, Prepared,
-    RenderError, RenderStats, Rendered, Scene, Shading, View,
+    Calibration, Classification, Compositing, Control, Frame, GridVolume, Light, Model, Prepared, RenderError,
+    RenderStats, Rendered, Scene, Shading, View,
 };
-use vr_kernels::ranges::VisibleValues;
 use vr_kernels::vector::Operator;
 
-use crate::axis::{Codewords, EncodedAxis, Encoder, WholeVolume};
+use crate::axis::{Codewords, EncodedAxis, Encoder, WholeVolume, gradient_matrix};
 use crate::capabilities::{check, last_sample};
+use crate::classified::Classified;
 use crate::codes::Codes;
 use crate::composite::Scratch;
+use crate::composite::first::First;
+use crate::composite::gradients::{GradientShading, Gradients};
 use crate::composite::pick::Pick;
 use crate::composite::ray_lights::RayLights;
-use crate::encode::{Pyramid, Rule, VisibleLevels};
+use crate::encode::Pyramid;
 use crate::factorization::IndexView;
 use crate::image::IntermediateImage;
-use crate::jobs::{Job, Lighting, OverJob, warp_rows};
+use crate::isosurface::Isosurface;
+use crate::jobs::{Job, Lighting, OverJob, SteepMedium, warp_rows};
 use crate::memory::EncodedSize;
 use crate::model::SlicedModel;
-use crate::optics::Optics;
 use crate::passes::{Pass, passes};
+use crate::ray_distances::RayDistances;
 use crate::reflections::{Reflection, table};
 use crate::region::Region;
 use crate::shear_warp::ShearWarp;
+use crate::sheet;
+use crate::shown::Shown;
 use crate::slices::Slices;
-use crate::warp::{Texture, Warp};
+use crate::steepness::samples_filter_gradients;
+use crate::surface_depths::SurfaceDepths;
+use crate::warp::{DepthWarp, Texture, Warp};
 
 /// The scene, the volume as it is encoded for it, and what is kept from picture to picture.
 pub(crate) struct PreparedShearWarp {
@@ -56,35 +62,6 @@ struct ReflectionTable {
     lights: Vec<Light>,
     direction: DVec3,
     entries: Vec<Reflection>,
-}
-
-/// Tables that follow from the transfer function.
-struct Classified {
-    visibility: VisibleLevels,
-    optics: Optics,
-}
-
-impl Classified {
-    fn new(renderer: &ShearWarp, scene: &Scene, volume: &GridVolume, codes: &Codes) -> Self {
-        let calibration = volume.calibration();
-        let transfer = &scene.transfer;
-        // A code stands for what rounds to it.
-        let around = if volume.voxel_type().is_integer() { 0.0 } else { 0.5 * codes.spacing };
-        // The opacity of a unit distance at which a voxel has that of the threshold.
-        let voxels = transfer.unit_distance() / scene.volume.mean_spacing();
-        let depth = depth_of_opacity(renderer.opacity_threshold) * voxels;
-        let opacity = if transfer.rule() == OpacityRule::Power { opacity_of_depth(depth) } else { depth };
-        let values = VisibleValues::above(transfer, opacity);
-        let visible =
-            |from: f64, to: f64| values.shows(calibration.value(from - around), calibration.value(to + around));
-        let (low, high) = volume.value_stats().range.unwrap_or_default();
-        let visibility = VisibleLevels::new((low.into(), high.into()), volume.voxel_type().is_integer(), visible);
-        let optics = match renderer.classification {
-            Classification::Post => Optics::of_values(transfer, calibration, codes),
-            Classification::Pre => Optics::of_voxels(transfer, calibration, codes),
-        };
-        Self { visibility, optics }
-    }
 }
 
 impl PreparedShearWarp {
@@ -118,11 +95,7 @@ impl PreparedShearWarp {
         }
         let volume = &*self.volume;
         control.check()?;
-        let rule = match self.renderer.classification {
-            _ if !self.scene.compositing.integrates_light() => Rule::Everything,
-            Classification::Post => Rule::Interpolated(&self.classified.visibility),
-            Classification::Pre => Rule::Classified(&self.classified.visibility),
-        };
+        let rule = self.classified.rule(&self.renderer, &self.scene);
         let whole = &mut self.whole;
         let encoded = control.run(|| {
             let encoder = Encoder {
@@ -132,7 +105,8 @@ impl PreparedShearWarp {
                 rule,
                 between: self.renderer.slice_spacing() < 1.0,
                 empty_space: self.renderer.empty_space,
-                shaded: self.scene.reflection().is_some(),
+                shaded: Shown::of(&self.scene).normals,
+                steep: Shown::of(&self.scene).gradients,
             };
             encoder.encode(axis, whole)
         })?;
@@ -165,17 +139,13 @@ impl Prepared for PreparedShearWarp {
             *self = Self::new(self.renderer.clone(), scene, control)?;
             return Ok(());
         }
-        let shaded = scene.reflection().is_some();
-        let picks = |scene: &Scene| !scene.compositing.integrates_light();
-        if self.scene.transfer != scene.transfer {
+        let (shown, seen) = (Shown::of(scene), Shown::of(&self.scene));
+        if self.scene.transfer != scene.transfer || shown != seen {
             self.classified = Classified::new(&self.renderer, scene, &volume, &self.codes);
             self.axes = [None, None, None];
         }
-        if shaded != self.scene.reflection().is_some() {
-            (self.whole, self.axes) = (WholeVolume::default(), [None, None, None]);
-        }
-        if picks(scene) != picks(&self.scene) {
-            self.axes = [None, None, None];
+        if (shown.normals, shown.gradients) != (seen.normals, seen.gradients) {
+            self.whole = WholeVolume::default();
         }
         (self.scene, self.volume) = (scene.clone(), volume);
         Ok(())
@@ -189,24 +159,38 @@ impl Prepared for PreparedShearWarp {
         control.check()?;
         let [width, height] = view.size;
         let mut pixels = vec![[0.0; 4]; width as usize * height as usize];
+        let mut depths = vec![f32::INFINITY; pixels.len()];
+        let layer = self.scene.layer(view, control)?;
         let mut stats = RenderStats::default();
         if let Some(region) = region {
             for pass in passes(&index_view, region.corners(), last_sample(dims), self.renderer.texel)? {
                 let axis = pass.factorization.axes[2];
                 stats.time("encode", || self.encode(axis, control))?;
-                let slices = Slices::new(pass.factorization, &region, dims[axis], self.renderer.slice_spacing());
-                stats.time("composite", || self.composite(&index_view, view, &pass, &slices, control))?;
+                let off_layers = samples_filter_gradients(&self.scene);
+                let spacing = self.renderer.slice_spacing();
+                let slices = Slices::new(pass.factorization, &region, dims[axis], spacing, off_layers);
+                let distances = RayDistances::new(&index_view, &pass.factorization);
+                let surfaces = layer.as_ref().map(|layer| SurfaceDepths::new(layer, view.size, &slices, &distances));
+                let surfaces = surfaces.as_ref();
+                stats.time("composite", || self.composite(&index_view, view, (&pass, &slices), surfaces, control))?;
                 let lines = self.image.lines();
                 stats.counts.rays +=
                     lines.iter().map(|l| u64::from(l.drawn[1].saturating_sub(l.drawn[0]))).sum::<u64>();
                 stats.counts.samples += lines.iter().map(|l| u64::from(l.samples)).sum::<u64>();
                 stats.counts.terminated += lines.iter().map(|l| u64::from(l.opaque)).sum::<u64>();
                 self.costs[axis] = lines.iter().map(|l| l.samples).collect();
-                stats.time("warp", || self.warp(&pass, view, &mut pixels, control))?;
+                let screen = (&mut pixels[..], &mut depths[..]);
+                stats.time("warp", || self.warp((&pass, &distances), surfaces, view, screen, control))?;
+            }
+        }
+        if let Some(layer) = &layer {
+            for (i, (pixel, depth)) in pixels.iter_mut().zip(&mut depths).enumerate() {
+                *pixel = layer.under(i, pixel.map(f64::from)).map(|x| x as f32);
+                *depth = depth.min(layer.depth(i) as f32);
             }
         }
         control.report(1.0);
-        Ok(Rendered { frame: Frame::new(view.size, pixels, None), stats })
+        Ok(Rendered { frame: Frame::new(view.size, pixels, Some(depths)), stats })
     }
 
     /// The sum over slices under `over`; the canonical pixel under every other operator.
@@ -225,13 +209,14 @@ impl PreparedShearWarp {
         &mut self,
         index_view: &IndexView,
         view: &View,
-        pass: &Pass,
-        slices: &Slices,
+        (pass, slices): (&Pass, &Slices),
+        surfaces: Option<&SurfaceDepths>,
         control: &Control,
     ) -> Result<(), RenderError> {
         let f = &pass.factorization;
         self.image.resize(f.size);
-        let shaded = self.scene.reflection().is_some();
+        let shown = Shown::of(&self.scene);
+        let shaded = shown.normals;
         let by_rays = index_view.is_perspective();
         if shaded && !by_rays {
             self.reflect(view, control)?;
@@ -243,11 +228,21 @@ impl PreparedShearWarp {
             slices,
             level: self.level,
             before: &self.costs[f.axes[2]],
+            stops: surfaces.map_or(&[], |s| &s.texels),
             scratch: &self.scratch,
             control,
         };
         let operator = Operator::new(self.scene.compositing, self.calibration(), false);
         let image = &mut self.image;
+        if let (Operator::First { sign, .. }, Compositing::First { threshold }) = (operator, self.scene.compositing) {
+            let surface =
+                Isosurface { scene: &self.scene, volume: &self.volume, view: index_view, threshold, sign: sign.into() };
+            let threshold = sign * self.codes.exact(self.volume.calibration().stored(threshold)) as f32;
+            return match &axis.voxels.codes {
+                Codewords::Bytes(voxels) => job.draw(&First { voxels, sign, threshold, surface }, image),
+                Codewords::Words(voxels) => job.draw(&First { voxels, sign, threshold, surface }, image),
+            };
+        }
         // Values are picked, and classified afterwards.
         if operator.picks() {
             return match &axis.voxels.codes {
@@ -269,6 +264,19 @@ impl PreparedShearWarp {
             (_, Some(table)) if shaded => Lighting::Table(&table.entries),
             _ => Lighting::None,
         };
+        let filter = samples_filter_gradients(&self.scene);
+        let steep = (filter || shown.gradients).then(|| SteepMedium {
+            media: &self.classified.media,
+            gradients: if filter {
+                Gradients::of_filter(gradient_matrix(&self.volume) * self.codes.spacing, f.axes)
+            } else {
+                Gradients::OfVoxels(axis.voxels.gradients.each_ref().map(|component| &component[..]))
+            },
+            shading: GradientShading::new(
+                (self.scene.reflection().map(|shading| &**shading), &self.scene.lights),
+                (index_view, f),
+            ),
+        });
         let over = OverJob {
             normals: &axis.voxels.normals,
             lighting,
@@ -279,6 +287,7 @@ impl PreparedShearWarp {
             termination: self.renderer.termination.min(level) as f32,
             level: level as f32,
             before: self.renderer.classification == Classification::Pre,
+            steep,
         };
         match &axis.voxels.codes {
             Codewords::Bytes(voxels) => over.draw(voxels, &job, image),
@@ -297,7 +306,7 @@ impl PreparedShearWarp {
         control: &Control,
     ) -> Result<&[[f32; 4]], RenderError> {
         self.encode(pass.factorization.axes[2], control)?;
-        self.composite(index_view, view, pass, slices, control)?;
+        self.composite(index_view, view, (pass, slices), None, control)?;
         Ok(self.image.texels())
     }
 
@@ -330,16 +339,32 @@ impl PreparedShearWarp {
         }
     }
 
-    /// Resamples the intermediate image onto the screen.
-    fn warp(&self, pass: &Pass, view: &View, pixels: &mut [[f32; 4]], control: &Control) -> Result<(), RenderError> {
+    /// Resamples the intermediate image onto the screen: pixels, and world distances of what they show.
+    fn warp(
+        &self,
+        (pass, distances): (&Pass, &RayDistances<'_>),
+        surfaces: Option<&SurfaceDepths>,
+        view: &View,
+        screen: (&mut [[f32; 4]], &mut [f32]),
+        control: &Control,
+    ) -> Result<(), RenderError> {
+        let f = &pass.factorization;
         let texture = Texture { pixels: self.image.texels(), size: self.image.size(), filled: self.image.drawn() };
         let warp = Warp {
             texture,
-            to_texture: pass.factorization.texels_of_screen(),
+            to_texture: f.texels_of_screen(),
             within: pass.within,
             filter: self.renderer.warp,
             samples: view.supersampling,
+            surfaces,
         };
-        warp_rows(&warp, view.size[0] as usize, pixels, self.level, control)
+        let depths = DepthWarp {
+            warp: &warp,
+            depths: self.image.depths(),
+            light: self.scene.compositing.integrates_light(),
+            distances,
+            tolerance: sheet::tolerance(f.spacing),
+        };
+        warp_rows(&depths, view.size[0] as usize, screen, self.level, control)
     }
 }

@@ -4,7 +4,6 @@ use proptest::strategy::Strategy;
 use vr_core::Classification;
 use vr_core::*;
 use vr_physics::Reference;
-use vr_physics::check::FixedLayer;
 use vr_physics::check::invariants::{
     forgets_earlier_frames, ignores_threads, is_free_of_scale, is_linear_in_emission, stays_in_range,
     turns_with_its_data,
@@ -79,19 +78,12 @@ fn what_it_cannot_draw_it_refuses() {
     let view = |fov| View::new(Camera::framing(scene.volume.bounds(), 30.0, 20.0, fov), [8, 8]);
     assert!(!refused(&scene, &view(None)) && !refused(&scene, &view(Some(30.0))));
     assert!(refused(&scene.with_filter(Filter::BSpline), &view(None)));
-    assert!(refused(&Scene { compositing: Compositing::First { threshold: 1.0 }, ..scene.clone() }, &view(None)));
     let shaded = Scene { shading: Some(Shading::default().into()), ..scene.clone() };
     assert!(!refused(&shaded, &view(None)) && !refused(&shaded, &view(Some(30.0))));
-    let modulated = Shading { gradient_opacity: vec![(0.0, 0.0), (1.0, 1.0)], ..Shading::default() };
-    assert!(refused(&Scene { shading: Some(modulated.clone().into()), ..scene.clone() }, &view(None)));
     let analytic = Shading { gradient: GradientMethod::Analytic, ..Shading::default() };
-    assert!(refused(&Scene { shading: Some(analytic.into()), ..scene.clone() }, &view(None)));
-    let glow = ControlPoint { emission: Some([1.0; 3]), ..white };
-    let transfer = TransferFunction::new(vec![glow], OpacityRule::Power, 1.0).unwrap();
-    let glowing = Scene { shading: Some(modulated.into()), transfer: transfer.into(), ..scene.clone() };
-    assert!(refused(&glowing, &view(None)), "it thins what absorbs, though what shines is given");
-    let nothing = FixedLayer::new(&view(None), |_| ([0.0; 3], f32::INFINITY));
-    assert!(refused(&nothing.among(&scene), &view(None)));
+    let sloped = Scene { shading: Some(analytic.into()), ..scene.clone() };
+    let classic = ShearWarp::classic().prepare(&sloped, &control).err();
+    assert!(matches!(classic, Some(RenderError::Unsupported(_))) && !refused(&sloped, &view(None)));
     for (key, value) in [("texel", 2.0), ("slice-distance", 0.0), ("texl", 1.0)] {
         assert!(ShearWarp::default().configure(&Options::new().with(key, value)).is_err(), "{key}");
     }

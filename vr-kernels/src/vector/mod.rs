@@ -31,7 +31,7 @@ pub use rows::{packed, rows_of, transpose, transpose_packed};
 pub use segments::SegmentTable;
 pub use shade::{PacketLights, PacketShading, SeenLights, Shade, power_of, reflect};
 pub use stencils::Stencils;
-pub use sums::{Sums, share_to_level};
+pub use sums::{Sums, share_of_half, share_to_level};
 pub use table::{OpticsTable, Rows, step_light};
 
 use fearless_simd::prelude::*;

@@ -151,9 +151,11 @@ impl<S: Simd> Sums<S> {
     }
 }
 
-/// The fraction of a step of opacity `alpha`, behind opacity `before`, at which a half is reached.
+/// Fractions of sixteen steps of opacity `alpha`, behind opacity `before`, at which a half is reached.
+///
+/// Its own function: few steps are those in which that happens.
 #[inline(never)]
-fn share_of_half<S: Simd>(simd: S, before: &Lanes, alpha: &Lanes, share: &mut Lanes) {
+pub fn share_of_half<S: Simd>(simd: S, before: &Lanes, alpha: &Lanes, share: &mut Lanes) {
     simd.vectorize(
         #[inline(always)]
         || {

@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 use vr_kernels::vector::{LANES, Vectorized};
 
 use super::cells::Edges;
-use super::kernel::{Added, Chunk, Kernel, Row};
+use super::kernel::{Added, Chunk, Kernel, Row, Seen};
 use crate::encode::{Run, Runs};
 use crate::links::Links;
 use crate::slices::{Row as SliceRow, Slice, Slices};
@@ -19,6 +19,10 @@ pub(crate) struct Band<'a> {
     pub(crate) texels: &'a mut [[f32; 4]],
     /// Row by row, one more than there are texels in each.
     pub(crate) links: &'a mut [u16],
+    /// Row by row, the depth of what a texel sees; infinite where it sees nothing.
+    pub(crate) depths: &'a mut [f32],
+    /// Row by row, the depth at which a surface ends a texel's ray; empty where there is no surface.
+    pub(crate) stops: &'a [f32],
     /// One entry a row.
     pub(crate) lines: &'a mut [Line],
 }
@@ -105,13 +109,19 @@ impl<K: Kernel, const N: usize> Vectorized for Work<'_, '_, K, N> {
                 if of_row.is_empty() || !open[row] {
                     continue;
                 }
-                let texels = slices.row(i, y);
+                let mut texels = slices.row(i, y);
+                let stops = if band.stops.is_empty() { &[] } else { &band.stops[row * width..][..width] };
+                if !stops.is_empty() {
+                    texels.whole = [0, 0];
+                }
                 let line = &mut band.lines[row];
                 let (planes, chords) = scratch.row(row, *line);
                 let mut crossing = Crossing {
                     kernel,
                     slices,
                     slice,
+                    number: (i + 1) as f32,
+                    stops,
                     y,
                     weights: weights((v - cell as f64) as f32, slice.fraction),
                     texels,
@@ -131,22 +141,82 @@ impl<K: Kernel, const N: usize> Vectorized for Work<'_, '_, K, N> {
             }
         }
         // Planes become texels; a row without samples is empty.
-        for (row, texels) in band.texels.chunks_exact_mut(width).enumerate() {
+        band.depths.fill(f32::INFINITY);
+        let rows_of_texels = band.texels.chunks_exact_mut(width).zip(band.depths.chunks_exact_mut(width));
+        for (row, (texels, depths)) in rows_of_texels.enumerate() {
             let line = band.lines[row];
             if line.samples == 0 {
                 texels.fill([0.0; 4]);
-            } else {
-                Row::new(scratch.row(row, line).0).write(texels);
+                continue;
             }
+            let (planes, chords) = scratch.row(row, line);
+            let planes = Row::new(planes);
+            planes.write(texels);
+            let stops = if band.stops.is_empty() { &[] } else { &band.stops[row * width..][..width] };
+            finish(kernel, slices, band.first + row, &planes, (texels, depths), (stops, chords));
         }
     }
 }
+
+/// Finishes the texels of row `y` that see something, and writes their depths.
+fn finish<K: Kernel>(
+    kernel: &K,
+    slices: &Slices,
+    y: usize,
+    planes: &Row<'_>,
+    (texels, depths): (&mut [[f32; 4]], &mut [f32]),
+    (stops, chords): (&[f32], &mut [Vec<f64>; 2]),
+) {
+    for (x, (texel, depth)) in texels.iter_mut().zip(depths).enumerate() {
+        let place = planes.places()[x];
+        if place == 0.0 {
+            continue;
+        }
+        // `as` rounds down, and saturates.
+        let slice = (place as usize).min(slices.slices.len()) - 1;
+        let chord = if stops.is_empty() && slices.is_whole(slice, [x, y]) {
+            [f64::NEG_INFINITY, f64::INFINITY]
+        } else {
+            let [front, back] = chords_of(slices, y, planes.width(), stops, chords);
+            [front[x], back[x]]
+        };
+        let fraction = f64::from(place) - (slice + 1) as f64;
+        let seen = Seen { slices, slice, fraction, texel: [x, y], chord };
+        *depth = kernel.finish(&seen, texel) as f32;
+    }
+}
+
+/// Positions at which the rays of row `y` enter the volume and leave it, or meet a surface; with a vector's room behind the last. Found when
+/// they are first asked for.
+#[inline(always)]
+fn chords_of<'a>(
+    slices: &Slices,
+    y: usize,
+    width: usize,
+    stops: &[f32],
+    [front, back]: &'a mut [Vec<f64>; 2],
+) -> [&'a [f64]; 2] {
+    if front.is_empty() {
+        slices.chords(y, width + LANES, front, back);
+        for (back, &stop) in back.iter_mut().zip(stops) {
+            *back = back.min(f64::from(stop));
+        }
+    }
+    [front, back]
+}
+
+/// Share of a sample that is none, for it lies behind a surface.
+const BEHIND: f32 = -1.0;
 
 /// One slice under one row of texels.
 struct Crossing<'a, 'b, K, const N: usize> {
     kernel: &'a K,
     slices: &'a Slices,
     slice: &'a Slice,
+    /// The slice's number, from 1 on.
+    number: f32,
+    /// Depths at which surfaces end the row's rays; empty where there are none.
+    stops: &'a [f32],
     y: usize,
     /// Weights of the edges of cells.
     weights: [f32; N],
@@ -222,7 +292,7 @@ impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
             // Opaque texels in between come along, and stay as they are: to leave them out costs more.
             let n = (end - x).min(K::AT_ONCE);
             let columns = self.slice.columns(x, run.start, edges.last);
-            let chunk = Chunk { x, y: self.y, n };
+            let chunk = Chunk { x, y: self.y, n, slice: self.number };
             let whole = x >= self.texels.whole[0] && x + n <= self.texels.whole[1];
             if !whole {
                 self.shares(x, &mut shares);
@@ -246,17 +316,16 @@ impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
         }
     }
 
-    /// Shares that the samples of sixteen texels stand for, in distances between slices.
+    /// Shares that the samples of sixteen texels stand for, in distances between slices; negative where there is none, behind a surface.
     #[inline(always)]
     fn shares(&mut self, x: usize, shares: &mut [f32; LANES]) {
-        let [front, back] = &mut *self.chords;
-        if front.is_empty() {
-            self.slices.chords(self.y, self.row.width() + LANES, front, back);
-        }
+        let chords = chords_of(self.slices, self.y, self.row.width(), self.stops, self.chords);
         let [front, back]: [&[f64; LANES]; 2] =
-            [front, back].map(|v| v[x..x + LANES].try_into().expect("as long as the row, and a vector"));
+            chords.map(|v| v[x..x + LANES].try_into().expect("as long as the row, and a vector"));
         for i in 0..LANES {
-            shares[i] = self.slices.share(self.slice.depth, [front[i], back[i]]) as f32;
+            let (depth, chord) = (self.slice.depth, [front[i], back[i]]);
+            let behind = self.slices.is_behind(depth, chord);
+            shares[i] = if behind { BEHIND } else { self.slices.share(depth, chord) as f32 };
         }
     }
 }

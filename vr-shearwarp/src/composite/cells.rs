@@ -4,7 +4,17 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, u8x64};
 use vr_kernels::vector::{LANES, splat};
 
-use crate::codes::Code;
+/// Numbers of voxels that are interpolated: codes of values, or lengths of gradients.
+pub(crate) trait Interpolated: Copy {
+    fn to_f32(self) -> f32;
+}
+
+impl Interpolated for f32 {
+    #[inline(always)]
+    fn to_f32(self) -> f32 {
+        self
+    }
+}
 
 /// A run of cells of one row: the edges along it, and how much each counts for this row of texels.
 #[derive(Clone, Copy)]
@@ -54,7 +64,7 @@ impl Columns {
 
 /// The values, as codes, at sixteen texels: bilinear in a layer (N = 2), trilinear between two (N = 4).
 #[inline(always)]
-pub(crate) fn values<S: Simd, P: Code, const N: usize, const UNIT: bool>(
+pub(crate) fn values<S: Simd, P: Interpolated, const N: usize, const UNIT: bool>(
     simd: S,
     voxels: &[P],
     edges: &Edges<N>,

@@ -4,6 +4,7 @@ use fearless_simd::Simd;
 use vr_kernels::vector::LANES;
 
 use super::cells::{Columns, Edges};
+use crate::slices::Slices;
 
 /// Operation on the samples under texels of one row, in one run of cells.
 pub(crate) trait Kernel: Sync {
@@ -14,7 +15,8 @@ pub(crate) trait Kernel: Sync {
     const AT_ONCE: usize;
 
     /// Adds a sample to each of the `n` texels from (x, y) on. `UNIT`: a texel a cell. A sample stands for its
-    /// share of the distance between slices, or for all of it. Texels that are opaque are left as they are.
+    /// share of the distance between slices, or for all of it; it is none where its share is negative. Texels that are opaque are left as they
+    /// are.
     fn add<S: Simd, const N: usize, const UNIT: bool>(
         &self,
         simd: S,
@@ -24,6 +26,28 @@ pub(crate) trait Kernel: Sync {
         shares: Option<&[f32; LANES]>,
         row: &mut Row<'_>,
     ) -> Added;
+
+    /// Finishes a texel that sees something at a place of its ray, and returns the depth of that.
+    fn finish(&self, seen: &Seen<'_>, texel: &mut [f32; 4]) -> f64;
+}
+
+/// What a texel sees: a place in one of its slices.
+pub(crate) struct Seen<'a> {
+    pub(crate) slices: &'a Slices,
+    /// Index of the slice.
+    pub(crate) slice: usize,
+    /// Fraction of the interval that the slice's sample stands for.
+    pub(crate) fraction: f64,
+    pub(crate) texel: [usize; 2],
+    /// Depths at which the texel's ray enters and leaves; infinite where the sample stands for a whole distance between slices.
+    pub(crate) chord: [f64; 2],
+}
+
+impl Seen<'_> {
+    /// Depth of the slice.
+    pub(crate) fn depth_of_slice(&self) -> f64 {
+        self.slices.slices[self.slice].depth
+    }
 }
 
 /// Result of adding samples to texels.
@@ -41,24 +65,35 @@ pub(crate) struct Chunk {
     pub(crate) x: usize,
     pub(crate) y: usize,
     pub(crate) n: usize,
+    /// Number of the slice, from 1 on.
+    pub(crate) slice: f32,
 }
 
-/// A row of texels while it is worked on: all reds, all greens, all blues, all opacities, each with room for a vector behind the last.
-pub(crate) struct Row<'a>([&'a mut [f32]; 4]);
+/// A row of texels while it is worked on: all reds, all greens, all blues, all opacities, and all places of what is seen, each with room for a
+/// vector behind the last.
+pub(crate) struct Row<'a>([&'a mut [f32]; PLANES]);
+
+/// Components of a texel.
+const PLANES: usize = 5;
+
+/// The component that says where on its ray a texel sees something: the number of a slice, from 1 on, and a fraction of the interval that its
+/// sample stands for; 0 for nowhere yet.
+pub(crate) const PLACE: usize = 4;
 
 impl<'a> Row<'a> {
     /// Numbers that a row of that many texels takes.
     pub(crate) fn length(width: usize) -> usize {
-        4 * (width + LANES)
+        PLANES * (width + LANES)
     }
 
     #[inline(always)]
     pub(crate) fn new(planes: &'a mut [f32]) -> Self {
-        let stride = planes.len() / 4;
+        let stride = planes.len() / PLANES;
         let (r, rest) = planes.split_at_mut(stride);
         let (g, rest) = rest.split_at_mut(stride);
-        let (b, a) = rest.split_at_mut(stride);
-        Self([r, g, b, a])
+        let (b, rest) = rest.split_at_mut(stride);
+        let (a, place) = rest.split_at_mut(stride);
+        Self([r, g, b, a, place])
     }
 
     /// Number of texels.
@@ -80,9 +115,14 @@ impl<'a> Row<'a> {
 
     /// The texels, one after another.
     pub(crate) fn write(&self, texels: &mut [[f32; 4]]) {
-        let [r, g, b, a] = self.0.each_ref().map(|plane| &plane[..texels.len()]);
+        let [r, g, b, a, _] = self.0.each_ref().map(|plane| &plane[..texels.len()]);
         for (i, texel) in texels.iter_mut().enumerate() {
             *texel = [r[i], g[i], b[i], a[i]];
         }
+    }
+
+    /// The places of what texels see.
+    pub(crate) fn places(&self) -> &[f32] {
+        self.0[PLACE]
     }
 }

@@ -6,7 +6,11 @@
 //! them where a texel is as wide as a voxel.
 
 mod band;
+pub(crate) mod by_gradient;
 pub(crate) mod cells;
+pub(crate) mod first;
+pub(crate) mod gradients;
+mod half;
 pub(crate) mod kernel;
 pub(crate) mod over;
 pub(crate) mod pick;

@@ -8,7 +8,8 @@ use vr_kernels::vector::{
 };
 
 use super::cells::{Columns, Edges, Places, SPAN, STEPS_F32, values};
-use super::kernel::{Added, Chunk, Kernel, Row};
+use super::half::note_half;
+use super::kernel::{Added, Chunk, Kernel, PLACE, Row, Seen};
 use super::ray_lights::RayLights;
 use super::short_run::MAX_SHORT;
 use crate::codes::Code;
@@ -35,6 +36,8 @@ pub(crate) struct Over<'a, P: Code, const PRE_CLASSIFIED: bool, const SHADING: u
     pub(crate) termination: f32,
     /// No texel gets more opaque than this.
     pub(crate) level: f32,
+    /// Opacity at which a texel sees something: a half; infinite where the level is below.
+    pub(crate) half: f32,
 }
 
 impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Kernel for Over<'_, P, PRE_CLASSIFIED, SHADING> {
@@ -67,7 +70,7 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Kernel for Over<'_,
         if SHADING == BY_RAYS && !PRE_CLASSIFIED {
             samples = self.lit_by_rays(simd, edges, &places, &at, samples);
         }
-        let shares = shares.map(|shares| f32x16::load_array_ref(simd, shares));
+        let shares = shares.map(|shares| f32x16::load_array_ref(simd, shares).max(splat(simd, 0.0)));
         if let Some(ratios) = &self.lengths.ratios {
             let mut ratio = ratios.lanes(simd, at.x, at.y);
             if let Some(shares) = shares {
@@ -80,11 +83,17 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Kernel for Over<'_,
         }
         self.composite(simd, samples, &at, row)
     }
+
+    /// The depth at which opacity reaches a half, the medium homogeneous around its slice.
+    fn finish(&self, seen: &Seen<'_>, _: &mut [f32; 4]) -> f64 {
+        let [begin, end] = seen.slices.interval(seen.depth_of_slice(), seen.chord);
+        begin + seen.fraction * (end - begin)
+    }
 }
 
 /// Samples of [`Entry::Depth`](crate::optics::Entry) that stand for that much of the table's length.
 #[inline(always)]
-fn of_depth<S: Simd>(simd: S, [r, g, b, tau]: [f32x16<S>; 4], ratio: f32x16<S>) -> [f32x16<S>; 4] {
+pub(super) fn of_depth<S: Simd>(simd: S, [r, g, b, tau]: [f32x16<S>; 4], ratio: f32x16<S>) -> [f32x16<S>; 4] {
     let tau = tau * ratio;
     let (out, alpha) = source_weight_and_opacity(simd, tau);
     let shines = ratio * out;
@@ -94,7 +103,7 @@ fn of_depth<S: Simd>(simd: S, [r, g, b, tau]: [f32x16<S>; 4], ratio: f32x16<S>) 
 impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLASSIFIED, SHADING> {
     /// Sixteen samples, of which `n` count; the others are nothing.
     #[inline(always)]
-    fn of_values<S: Simd, const N: usize, const UNIT: bool>(
+    pub(super) fn of_values<S: Simd, const N: usize, const UNIT: bool>(
         &self,
         simd: S,
         table: &P::Table,
@@ -203,7 +212,13 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLA
 
     /// Adds samples behind what texels hold that are not opaque.
     #[inline(always)]
-    fn composite<S: Simd>(&self, simd: S, [r, g, b, alpha]: [f32x16<S>; 4], at: &Chunk, row: &mut Row<'_>) -> Added {
+    pub(super) fn composite<S: Simd>(
+        &self,
+        simd: S,
+        [r, g, b, alpha]: [f32x16<S>; 4],
+        at: &Chunk,
+        row: &mut Row<'_>,
+    ) -> Added {
         let (mine, termination) = ((1 << at.n) - 1, splat(simd, self.termination));
         let opacity = row.lanes(3, at.x);
         let before = f32x16::load_array_ref(simd, opacity);
@@ -217,6 +232,11 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLA
             *opacity = after.min(self.level).to_array();
         } else {
             *opacity = after.to_array();
+        }
+        let crossing = before.simd_lt(splat(simd, self.half)) & after.simd_ge(splat(simd, self.half));
+        if crossing.any_true() {
+            let places = row.lanes(PLACE, at.x);
+            note_half(simd, crossing.to_bitmask() as u32, &before.to_array(), &alpha.to_array(), at.slice, places);
         }
         for (component, light) in [r, g, b].into_iter().enumerate() {
             let sum = row.lanes(component, at.x);

@@ -7,7 +7,8 @@ use fearless_simd::{Simd, f32x4, i32x4};
 use vr_kernels::vector::share_to_level;
 
 use super::cells::{Columns, Edges};
-use super::kernel::{Added, Chunk, Row};
+use super::half::note_half;
+use super::kernel::{Added, Chunk, PLACE, Row};
 use super::over::{BY_TABLE, Over};
 use crate::codes::Code;
 
@@ -48,7 +49,7 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLA
             } else {
                 self.four_of_values(simd, edges, columns, n)
             };
-            let added = self.composite_four(simd, transposed(samples), at.x + part, n, row);
+            let added = self.composite_four(simd, transposed(samples), &Chunk { x: at.x + part, n, ..*at }, row);
             all.samples += added.samples;
             all.closed |= added.closed << part;
         }
@@ -121,12 +122,11 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLA
         &self,
         simd: S,
         [r, g, b, alpha]: [f32x4<S>; FOUR],
-        x: usize,
-        n: usize,
+        at: &Chunk,
         row: &mut Row<'_>,
     ) -> Added {
-        let mine = (1 << n) - 1;
-        let opacity: &mut [f32; FOUR] = row.several(3, x);
+        let mine = (1 << at.n) - 1;
+        let opacity: &mut [f32; FOUR] = row.several(3, at.x);
         let before = f32x4::load_array_ref(simd, opacity);
         let open = before.simd_lt(self.termination);
         let clear = open.select(1.0 - before, f32x4::splat(simd, 0.0));
@@ -139,8 +139,13 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLA
         } else {
             *opacity = after.to_array();
         }
+        let crossing = before.simd_lt(self.half) & after.simd_ge(self.half);
+        if crossing.any_true() {
+            let places: &mut [f32; FOUR] = row.several(PLACE, at.x);
+            note_half(simd, crossing.to_bitmask() as u32, &before.to_array(), &alpha.to_array(), at.slice, places);
+        }
         for (component, light) in [r, g, b].into_iter().enumerate() {
-            let sum: &mut [f32; FOUR] = row.several(component, x);
+            let sum: &mut [f32; FOUR] = row.several(component, at.x);
             *sum = (f32x4::load_array_ref(simd, sum) + light * share).to_array();
         }
         Added { samples: (open.to_bitmask() as u32 & mine).count_ones(), closed }

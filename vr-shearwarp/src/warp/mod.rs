@@ -6,7 +6,9 @@
 
 mod bilinear;
 mod cubic;
+mod depths;
 mod line;
+mod surfaces;
 #[cfg(test)]
 mod tests;
 
@@ -19,6 +21,10 @@ use glam::DMat3;
 use bilinear::Bilinear;
 use cubic::Cubic;
 use line::{Block, Bounds, LANES, Line};
+
+pub(crate) use depths::DepthWarp;
+
+use crate::surface_depths::SurfaceDepths;
 
 /// The composited slices, as the warp reads them: premultiplied linear RGBA.
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +64,8 @@ pub(crate) struct Warp<'a> {
     pub filter: WarpFilter,
     /// A pixel is the mean over `samples`² subpixel centres, as in [`vr_core::View`].
     pub samples: u32,
+    /// Depths of opaque surfaces, where there are any.
+    pub surfaces: Option<&'a SurfaceDepths>,
 }
 
 /// A filter of N × N texels: the N/2 on either side of a position, along each axis.
@@ -152,17 +160,19 @@ impl Warp<'_> {
 
         let mut x = columns.start;
         while x < columns.end {
+            let pixel = y as usize * out.len() + x;
             let pixels = &mut out[x..columns.end.min(x + LANES)];
             if self.samples == 1 {
                 let block = self.line(y, 0).block(simd, x as f64 + 0.5);
-                self.draw::<S, K, N, false>(simd, &block, &seen, &inner, pixels);
+                self.draw::<S, K, N, false>(simd, &block, [&seen, &inner], pixel, pixels);
             } else {
                 let mut sums = [[0.0; 4]; LANES];
                 for j in 0..self.samples {
                     let line = self.line(y, j);
                     for i in 0..self.samples {
                         let block = line.block(simd, x as f64 + self.subpixel(i));
-                        self.draw::<S, K, N, true>(simd, &block, &seen, &inner, &mut sums[..pixels.len()]);
+                        let sums = &mut sums[..pixels.len()];
+                        self.draw::<S, K, N, true>(simd, &block, [&seen, &inner], pixel, sums);
                     }
                 }
                 // Divided at the end, so that the mean of opaque samples is opaque.
@@ -176,14 +186,14 @@ impl Warp<'_> {
         }
     }
 
-    /// One sample of each pixel, set or added.
+    /// One sample of each pixel, set or added; the first is number `first` of the screen.
     #[inline(always)]
     fn draw<S: Simd, K: Kernel<N>, const N: usize, const ADD: bool>(
         &self,
         simd: S,
         block: &Block<S>,
-        seen: &Bounds,
-        inner: &Bounds,
+        [seen, inner]: [&Bounds; 2],
+        first: usize,
         pixels: &mut [[f32; 4]],
     ) {
         let wanted = (1u32 << pixels.len()) - 1;
@@ -196,7 +206,14 @@ impl Warp<'_> {
         let (wx, wy) = (K::weights(simd, tx), K::weights(simd, ty));
         let texture = self.texture;
         for j in 0..pixels.len() {
-            let value = if easy >> j & 1 != 0 {
+            let (place, at) = ([column[j], row[j]], [tx.as_array()[j], ty.as_array()[j]]);
+            let beside = match self.surfaces {
+                Some(_) if all >> j & 1 != 0 => self.beside_outline::<N>(first + j, place, at),
+                _ => None,
+            };
+            let value = if let Some(mean) = beside {
+                f32x4::load_array_ref(simd, &mean)
+            } else if easy >> j & 1 != 0 {
                 K::blend(simd, texture.inner_taps(column[j], row[j]), &wx, &wy, j)
             } else if all >> j & 1 != 0 {
                 let taps = texture.taps::<N>(column[j], row[j]);

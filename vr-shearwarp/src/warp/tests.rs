@@ -49,7 +49,7 @@ impl Canvas {
     }
 
     fn warp(&self, to_texture: DMat3, filter: WarpFilter, samples: u32) -> Warp<'_> {
-        Warp { texture: self.texture(), to_texture, within: None, filter, samples }
+        Warp { texture: self.texture(), to_texture, within: None, filter, samples, surfaces: None }
     }
 }
 

@@ -1,5 +1,8 @@
 //! Positions of the slices of samples along the principal axis, and the texels that each covers.
 
+#[cfg(test)]
+mod tests;
+
 use glam::{DVec2, DVec3};
 
 use crate::composite::cells::Columns;
@@ -109,8 +112,8 @@ pub(crate) struct Slices {
     /// Slices to a voxel.
     per_voxel: f64,
     /// First and last depth that a ray can see.
-    depths: [f64; 2],
-    factorization: Factorization,
+    pub(crate) depths: [f64; 2],
+    pub(crate) factorization: Factorization,
     low: DVec3,
     high: DVec3,
     /// Half spaces that cut the box, in coordinates (u, v, w).
@@ -127,20 +130,28 @@ pub(crate) struct Row {
 }
 
 /// Distance from a face up to which a point is on it.
-const NEAR: f64 = 1e-9;
+pub(crate) const NEAR: f64 = 1e-9;
 /// A slice this near the eye is not seen.
 const NEAREST: f64 = 1e-6;
 
 impl Slices {
     /// The slices of a part of the index space, `spacing` voxels apart, of a volume with `layers` layers along the axis.
     ///
-    /// They lie the same way seen from either end: among them are the layers, where the spacing is 1/n.
-    pub(crate) fn new(factorization: Factorization, region: &Region, layers: usize, spacing: f64) -> Self {
+    /// They lie the same way seen from either end: among them are the layers, where the spacing is 1/n; or, if they are to be `off_layers`, the
+    /// layers are half way between them.
+    pub(crate) fn new(
+        factorization: Factorization,
+        region: &Region,
+        layers: usize,
+        spacing: f64,
+        off_layers: bool,
+    ) -> Self {
         let [low, high] = region.corners().map(|v| permuted(v, factorization.axes));
         let turned = |p: &HalfSpace| HalfSpace { normal: permuted(p.normal, factorization.axes), ..*p };
         let planes = region.planes.iter().map(turned).collect();
         let length = (layers - 1) as f64;
-        let anchor = 0.5 * (length - (length / spacing + NEAR).floor() * spacing);
+        let steps = (length / spacing + NEAR).floor() - if off_layers { 1.0 } else { 0.0 };
+        let anchor = 0.5 * (length - steps * spacing);
         // A corner of a crop box that is meant to lie in a slice may miss it by rounding.
         let first = ((low.z - anchor) / spacing - NEAR).ceil() as i64;
         let last = ((high.z - anchor) / spacing + NEAR).floor() as i64;
@@ -225,6 +236,14 @@ impl Slices {
         if self.planes.is_empty() { row } else { self.cut_row(i, y, row) }
     }
 
+    /// True if the i-th slice has a sample at a texel that stands for a whole distance between slices.
+    #[inline(always)]
+    pub(crate) fn is_whole(&self, i: usize, [x, y]: [usize; 2]) -> bool {
+        let Texels { first, end } = self.slices[i].whole;
+        let inside = x >= first[0] && x < end[0] && y >= first[1] && y < end[1];
+        inside && (self.planes.is_empty() || (self.row(i, y).whole[0]..self.row(i, y).whole[1]).contains(&x))
+    }
+
     /// Cuts a row of texels to the half spaces.
     fn cut_row(&self, i: usize, y: usize, Row { mut valid, mut whole }: Row) -> Row {
         let around = i.saturating_sub(1)..(i + 2).min(self.slices.len());
@@ -253,11 +272,31 @@ impl Slices {
     /// The part of the distance between slices that a sample stands for: half of that to the next on either side, where there is one, or all to
     /// where the ray enters or leaves.
     #[inline(always)]
-    pub(crate) fn share(&self, depth: f64, [front, back]: [f64; 2]) -> f64 {
+    pub(crate) fn share(&self, depth: f64, chord: [f64; 2]) -> f64 {
+        let [before, behind] = self.reach(depth, chord);
+        ((before + behind) * self.per_voxel).clamp(0.0, 2.0)
+    }
+
+    /// The depths between which a sample stands for the medium.
+    #[inline(always)]
+    pub(crate) fn interval(&self, depth: f64, chord: [f64; 2]) -> [f64; 2] {
+        let [before, behind] = self.reach(depth, chord);
+        [depth - before, depth + behind]
+    }
+
+    /// How far before and behind it a sample stands for the medium.
+    #[inline(always)]
+    fn reach(&self, depth: f64, [front, back]: [f64; 2]) -> [f64; 2] {
         // As near as texels are to a face for a slice to be there: see `texels`.
         let before = if depth - self.spacing >= front - NEAR { 0.5 * self.spacing } else { depth - front };
         let behind = if depth + self.spacing <= back + NEAR { 0.5 * self.spacing } else { back - depth };
-        ((before + behind) * self.per_voxel).clamp(0.0, 2.0)
+        [before, behind]
+    }
+
+    /// True if a sample lies behind the end of a chord that a surface cut.
+    #[inline(always)]
+    pub(crate) fn is_behind(&self, depth: f64, [_, back]: [f64; 2]) -> bool {
+        depth > back + NEAR
     }
 
     /// The chords of the first `n` texels of a row.
@@ -294,96 +333,4 @@ fn texels(map: &SliceMap, [low, high]: [DVec3; 2], size: [usize; 2]) -> Texels {
     let end = std::array::from_fn(|a| (at(a, high[a]) + NEAR).floor().max(-1.0) as isize as usize)
         .map(|e: usize| e.wrapping_add(1));
     Texels { first, end }.and(all)
-}
-
-#[cfg(test)]
-mod tests {
-    use vr_core::{Camera, Placement, Projection, View};
-
-    use super::*;
-    use crate::factorization::IndexView;
-    use crate::passes::passes;
-
-    const BOX: [DVec3; 2] = [DVec3::ZERO, DVec3::new(9.0, 12.0, 7.0)];
-
-    /// Slices of many views of a box, some of them cut by half spaces.
-    fn all_slices(spacing: f64) -> Vec<Slices> {
-        let mut all = Vec::new();
-        let middle = DVec3::new(4.5, 6.0, 3.5);
-        let half_space = |normal: DVec3, off: f64| HalfSpace { normal, offset: normal.dot(middle) + off };
-        let oblique = half_space(DVec3::new(0.3, -0.7, 0.5), -0.4);
-        let parallel = half_space(DVec3::new(0.0, 0.0, -2.0), 0.3);
-        let cuts = [vec![], vec![oblique], vec![oblique, half_space(-oblique.normal, -2.1)], vec![parallel]];
-        for projection in [Projection::Orthographic { height: 20.0 }, Projection::Perspective { fov: 50.0 }] {
-            for d in [DVec3::new(0.3, 0.4, 1.0), DVec3::new(1.0, 0.1, -0.7), DVec3::new(0.0, -1.0, 0.0)] {
-                for distance in [30.0, 2.0] {
-                    let eye = middle + d.normalize() * distance;
-                    let camera = Camera { eye, target: middle, up: DVec3::new(0.9, 0.1, 0.5), projection };
-                    let view = View::new(camera, [40, 40]);
-                    let index = IndexView::new(&view, &Placement::from_spacing([1.0; 3]).unwrap()).unwrap();
-                    for planes in &cuts {
-                        let region = Region { low: BOX[0], high: BOX[1], planes: planes.clone() };
-                        for pass in passes(&index, BOX, BOX[1], 1.0).unwrap() {
-                            let layers = BOX[1][pass.factorization.axes[2]] as usize + 1;
-                            all.push(Slices::new(pass.factorization, &region, layers, spacing));
-                        }
-                    }
-                }
-            }
-        }
-        all
-    }
-
-    #[test]
-    fn shares_add_up_to_the_chord() {
-        for spacing in [1.0, 0.5, 0.3, 0.7] {
-            for slices in all_slices(spacing) {
-                let [w, h] = slices.factorization.size;
-                let (mut front, mut back) = (Vec::new(), Vec::new());
-                for y in 0..h {
-                    let rows: Vec<Row> = (0..slices.slices.len()).map(|i| slices.row(i, y)).collect();
-                    slices.chords(y, w, &mut front, &mut back);
-                    for x in 0..w {
-                        let chord = slices.chord(x as f64, y as f64);
-                        // A ray that misses has any ends, the first above the last.
-                        let ends = [(front[x], chord[0]), (back[x], chord[1])];
-                        let same = ends.iter().all(|(a, b)| (a - b).abs() < 1e-6);
-                        assert!(same || (chord[0] >= chord[1] && front[x] >= back[x]), "{ends:?}");
-                        let hits: Vec<_> = slices
-                            .slices
-                            .iter()
-                            .zip(&rows)
-                            .filter(|(_, row)| (row.valid[0]..row.valid[1]).contains(&x))
-                            .collect();
-                        if hits.is_empty() {
-                            // A corner between two slices.
-                            assert!(chord[1] - chord[0] <= slices.spacing + 1e-6, "{chord:?}");
-                            continue;
-                        }
-                        let sum: f64 = hits.iter().map(|(s, _)| slices.share(s.depth, chord) * slices.spacing).sum();
-                        assert!((sum - (chord[1] - chord[0])).abs() < 1e-5, "{sum} of {chord:?}");
-                        for (s, row) in hits {
-                            let whole = (row.whole[0]..row.whole[1]).contains(&x);
-                            assert!(!whole || (slices.share(s.depth, chord) - 1.0).abs() < 1e-9);
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn layers_and_fractions_are_where_the_slice_is() {
-        for spacing in [1.0, 0.25, 0.6] {
-            for slices in all_slices(spacing) {
-                let layers = BOX[1][slices.factorization.axes[2]] as usize + 1;
-                for s in &slices.slices {
-                    let w = s.depth * slices.factorization.sign;
-                    assert!((s.layer as f64 + f64::from(s.fraction) - w).abs() < 1e-6);
-                    assert!(s.layer + usize::from(spacing < 1.0) < layers);
-                }
-                assert!(slices.slices.windows(2).all(|p| p[0].depth < p[1].depth));
-            }
-        }
-    }
 }

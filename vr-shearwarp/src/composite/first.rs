@@ -1,0 +1,60 @@
+//! The first sample of a texel that reaches a threshold.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+use vr_kernels::vector::{LANES, pick, splat};
+
+use super::cells::{Columns, Edges, STEPS_F32, values};
+use super::kernel::{Added, Chunk, Kernel, PLACE, Row, Seen};
+use crate::codes::Code;
+use crate::isosurface::Isosurface;
+
+/// Texels that have met the surface are opaque; their colours are those of the surface.
+pub(crate) struct First<'a, P> {
+    pub(crate) voxels: &'a [P],
+    /// −1 where larger values have smaller stored numbers.
+    pub(crate) sign: f32,
+    /// The threshold among codes, times `sign`.
+    pub(crate) threshold: f32,
+    pub(crate) surface: Isosurface<'a>,
+}
+
+impl<P: Code> Kernel for First<'_, P> {
+    const CLOSES: bool = true;
+    const AT_ONCE: usize = LANES;
+
+    #[inline(always)]
+    fn add<S: Simd, const N: usize, const UNIT: bool>(
+        &self,
+        simd: S,
+        edges: &Edges<N>,
+        columns: Columns,
+        at: Chunk,
+        shares: Option<&[f32; LANES]>,
+        row: &mut Row<'_>,
+    ) -> Added {
+        let places = columns.places::<S, UNIT>(simd, edges.last);
+        let value: f32x16<S> = values::<S, P, N, UNIT>(simd, self.voxels, edges, &places);
+        let mut counts = f32x16::load_array_ref(simd, &STEPS_F32).simd_lt(splat(simd, at.n as f32));
+        if let Some(shares) = shares {
+            counts &= f32x16::load_array_ref(simd, shares).simd_ge(splat(simd, 0.0));
+        }
+        let opacity = row.lanes(3, at.x);
+        let before = f32x16::load_array_ref(simd, opacity);
+        let open = counts & before.simd_le(splat(simd, 0.0));
+        let reached = open & (value * self.sign).simd_ge(splat(simd, self.threshold));
+        if reached.any_true() {
+            *opacity = pick(reached, splat(simd, 1.0), before).to_array();
+            let places = row.lanes(PLACE, at.x);
+            *places = pick(reached, splat(simd, at.slice), f32x16::load_array_ref(simd, places)).to_array();
+        }
+        Added { samples: (open.to_bitmask() as u32).count_ones(), closed: reached.to_bitmask() as u32 }
+    }
+
+    /// The surface between the sample and the one before it.
+    fn finish(&self, seen: &Seen<'_>, texel: &mut [f32; 4]) -> f64 {
+        let (rgba, depth) = self.surface.met(seen);
+        *texel = rgba.map(|x| x as f32);
+        depth
+    }
+}

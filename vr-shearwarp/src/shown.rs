@@ -1,0 +1,38 @@
+//! The parts of a scene, besides its transfer function, that decide which voxels are encoded and with what.
+
+use vr_core::{Compositing, Scene};
+
+use crate::steepness::samples_filter_gradients;
+
+/// Demands of a scene on its encoded volume.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Shown {
+    /// True if light is integrated, and not a value picked.
+    light: bool,
+    /// Value at which a surface is shown.
+    threshold: Option<f64>,
+    /// True if samples reflect light by the codes of voxels' normals. The one surface of `first` has a gradient of its own.
+    pub(crate) normals: bool,
+    /// True if opacity follows the gradients of voxels, which then reflect light as well.
+    pub(crate) gradients: bool,
+    /// Factors on the extinction by the gradient, whose ever it is.
+    factors: Vec<(f64, f64)>,
+}
+
+impl Shown {
+    pub(crate) fn of(scene: &Scene) -> Self {
+        let light = scene.compositing.integrates_light();
+        let of_voxels = !samples_filter_gradients(scene);
+        let threshold = match scene.compositing {
+            Compositing::First { threshold } => Some(threshold),
+            _ => None,
+        };
+        Self {
+            light,
+            threshold,
+            normals: light && of_voxels && scene.reflection().is_some() && !scene.has_gradient_opacity(),
+            gradients: of_voxels && scene.has_gradient_opacity(),
+            factors: scene.shading.as_ref().map(|shading| shading.gradient_opacity.clone()).unwrap_or_default(),
+        }
+    }
+}
