@@ -4,14 +4,14 @@ use std::sync::Arc;
 use vr_core::{GridVolume, Scene};
 use vr_kernels::ranges::Visibility;
 use vr_kernels::tables::{BakedTransfer, PreIntegrated, table_range};
-use vr_kernels::vector::OpticsTable;
+use vr_kernels::vector::{OpticsTable, SegmentTable};
 
 use crate::texture_slicer::{Format, TextureSlicer};
 
 /// Tables that follow from the transfer function alone.
 pub(crate) struct Tables {
     range: (f32, f32),
-    pub(crate) segments: Option<Arc<PreIntegrated<f32>>>,
+    pub(crate) segments: Option<SegmentTable>,
     lengths: Option<LengthTables>,
 }
 
@@ -26,7 +26,8 @@ pub(crate) struct LengthTables {
 
 impl Tables {
     pub(crate) fn new(renderer: &TextureSlicer, scene: &Scene, volume: &GridVolume) -> Self {
-        let segments = (renderer.format == Format::PreIntegrated).then(|| Arc::new(segments(scene, volume)));
+        let segments =
+            (renderer.format == Format::PreIntegrated).then(|| SegmentTable::new(&Arc::new(segments(scene, volume))));
         let (low, high) = volume.value_stats().range.unwrap_or((0.0, 0.0));
         let field = (f64::from(low), f64::from(high));
         let range = table_range(field, volume.voxel_type().is_integer(), volume.calibration(), &scene.transfer);
@@ -42,7 +43,8 @@ impl Tables {
         let baked = Arc::new(BakedTransfer::new(&scene.transfer, volume.calibration(), self.range, integer, length));
         let optics = OpticsTable::new(&baked, &scene.transfer, volume.calibration(), length);
         let table = Some(&baked).filter(|table| self.segments.is_none() && table.resolves());
-        let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), table, self.segments.as_ref());
+        let segments = self.segments.as_ref().map(SegmentTable::pre_integrated);
+        let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), table, segments);
         self.lengths = Some(LengthTables { length, baked, optics, visibility });
         true
     }
