@@ -105,7 +105,7 @@ fn check_texture(renderer: &TextureSlicer, scene: &Scene) -> Result<(), RenderEr
     if bricks && renderer.proxy == Proxy::Stacks {
         return Err(unsupported(
             Feature::Setting,
-            "bricks of stacks: a stack's textures are layers, and none of them lies in one brick",
+            "bricks of stacks: a stack's textures are the volume's layers, each across all bricks; take planes or shells",
         ));
     }
     if bricks && renderer.order == DrawOrder::Slices {

@@ -258,7 +258,7 @@ fn renderer() -> impl Strategy<Value = (TextureSlicer, u32)> {
 #[test]
 fn random_scenes_of_every_kind() {
     let config = ProptestConfig {
-        cases: 600,
+        cases: 300,
         failure_persistence: None,
         rng_algorithm: RngAlgorithm::ChaCha,
         rng_seed: RngSeed::Fixed(0xb1c5),
@@ -275,5 +275,5 @@ fn random_scenes_of_every_kind() {
         }
     });
     println!("{} pictures in both ways", drawn.get());
-    assert!(drawn.get() > 150);
+    assert!(drawn.get() > 100);
 }
