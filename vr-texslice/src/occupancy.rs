@@ -12,7 +12,7 @@ use crate::compression::Compressed;
 pub(crate) enum FieldRanges<'a> {
     /// The volume's own field.
     Volume(Arc<RangeBlocks>),
-    /// What is decoded is off by half a level: not bounded by the volume's numbers.
+    /// The decoded field, which is off by half a level: the volume's numbers do not bound it.
     Compressed(&'a Compressed, BrickLattice),
 }
 

@@ -181,9 +181,8 @@ impl TextureStore {
             }
         }
         if self.bricks.as_ref().is_none_or(|pool| pool.key != key) {
-            // Compressed blocks stay, and take their share.
             let blocks = self.compressed.as_ref().map_or(0, |compressed| compressed.bytes());
-            self.bricks = Some(Pool::new(key, renderer.bytes() - blocks));
+            self.bricks = Some(Pool::new(key, blocks, renderer.bytes()));
         }
         Ok(())
     }
@@ -235,7 +234,6 @@ impl TextureStore {
             palette: self.palette.as_ref().map(|(_, palette)| &**palette),
             key: pool.key,
         };
-        // Bricks of indices have the palette of the length.
         Bricked { scene: &job.scene, source, lattice, order: &order, shows: &shows }.draw(pool, job.control)
     }
 

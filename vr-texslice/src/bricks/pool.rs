@@ -16,15 +16,18 @@ pub(crate) struct Pool {
     /// Least recently used first.
     resident: VecDeque<([usize; 3], Brick)>,
     bytes: u64,
+    /// Bytes of compressed blocks, which stay beside them.
+    blocks: u64,
     limit: u64,
     /// Time that making them took.
     time: Duration,
 }
 
 impl Pool {
-    pub(crate) fn new(key: BrickKey, limit: u64) -> Self {
+    /// An empty pool with a budget, of which compressed blocks take so many bytes.
+    pub(crate) fn new(key: BrickKey, blocks: u64, limit: u64) -> Self {
         let (resident, time) = (VecDeque::new(), Duration::ZERO);
-        Self { key, resident, bytes: 0, limit, time }
+        Self { key, resident, bytes: 0, blocks, limit, time }
     }
 
     /// Checks that there is room for the largest brick.
@@ -32,7 +35,8 @@ impl Pool {
     /// # Errors
     /// [`RenderError::TooLarge`] if the budget does not hold so many bytes.
     pub(crate) fn check(&self, largest: u64) -> Result<(), RenderError> {
-        hold("a brick", largest, self.limit)
+        let what = if self.blocks > 0 { "compressed blocks and a brick decoded from them" } else { "a brick" };
+        hold(what, self.blocks + largest, self.limit)
     }
 
     /// The texture of a brick, which is made from its region of the source unless it is here still.
@@ -66,7 +70,7 @@ impl Pool {
 
     /// Lets the least recently used ones go, before another is made in their place: the budget holds at every moment.
     fn make_room(&mut self, bytes: u64) {
-        while self.bytes + bytes > self.limit {
+        while self.blocks + self.bytes + bytes > self.limit {
             let Some((_, oldest)) = self.resident.pop_front() else { break };
             self.bytes -= oldest.bytes();
         }
@@ -106,7 +110,7 @@ mod tests {
         assert_eq!(lattice.count(), [2, 2, 2]);
         let largest = source.bytes(&lattice.largest(0));
         assert_eq!(largest, 5 * 5 * 5 * 2);
-        let mut pool = Pool::new(key, 2 * largest);
+        let mut pool = Pool::new(key, 0, 2 * largest);
         let control = Control::default();
         // The third is smaller, and the two largest ones fill the pool.
         for (number, left) in [
@@ -127,7 +131,7 @@ mod tests {
             assert_eq!(corners, [cells.map(|c| c[0]), cells.map(|c| c[1])].map(whole));
             assert_eq!(pool.resident.iter().map(|(of, _)| *of).collect::<Vec<_>>(), left);
         }
-        let mut none = Pool::new(key, largest - 1);
+        let mut none = Pool::new(key, 0, largest - 1);
         let region = source.region(&lattice.cells_of([0; 3]));
         assert!(matches!(none.check(largest), Err(RenderError::TooLarge { .. })));
         assert!(matches!(none.brick([0; 3], &source, &region, &control), Err(RenderError::TooLarge { .. })));
@@ -145,7 +149,8 @@ mod tests {
         let control = Control::default();
         let held = |pool: &Pool| pool.resident.iter().map(|(_, brick)| brick.bytes()).sum::<u64>();
         for limit in largest..4 * largest {
-            let mut pool = Pool::new(key, limit);
+            // Of blocks beside them nothing is left for bricks.
+            let mut pool = Pool::new(key, 300, limit + 300);
             let mut last_used: Vec<[usize; 3]> = Vec::new();
             let mut state = limit;
             for _ in 0..50 {

@@ -1,4 +1,4 @@
-//! Fetches and shades in a brick, and what a segment reflects whose middle lies in another brick than its end.
+//! Fetch and shading in a brick, of segments as well whose middle lies in another brick than their end.
 
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -8,7 +8,7 @@ use super::chunk::{Chunk, Fetch, Fetcher, SampleSet};
 use crate::fragments::Fragments;
 use crate::texture::{BrickPart, Lit, Texture};
 
-/// What the middles of the next segments of sixteen rays reflect.
+/// Reflection at the middles of the next segments of sixteen rays.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reflected {
     /// Factors on the three colours, and the lights that are added to an opaque segment.
@@ -32,7 +32,7 @@ impl Reflected {
 pub(super) struct BrickFetcher<'a, 'x, X: Texture> {
     pub(super) fetcher: &'a mut Fetcher<'x, X>,
     pub(super) part: &'a BrickPart,
-    /// Where the middle of the segment that ends at a ray's first sample here lay in an earlier brick: what it reflects.
+    /// Reflection at the middle of the segment that ends at a ray's first sample here, if that lay in an earlier brick.
     pub(super) middles: &'a mut Reflected,
 }
 

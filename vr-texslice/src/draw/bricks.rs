@@ -190,7 +190,7 @@ struct BrickRays {
     waiting: Waiting,
     /// The next sample of each ray: the first is numbered one less than the whole ones, the last one more.
     next: Lanes,
-    /// What the middle of each ray's next segment reflects, where it has been met.
+    /// Reflection at the middle of each ray's next segment, as far as it has been met.
     middles: Reflected,
 }
 

@@ -89,11 +89,13 @@ pub(crate) fn integrate<S: Simd>(
     backwards: bool,
     chunk: &mut Chunk,
 ) {
+    // Two at a time where the next is as long: they share the value between them. But not where one of two may end at a wall: how its neighbour is rounded would
+    // depend on that, and so on where chunks begin.
+    let pairs = !table.pre_integrated().has_walls();
     let mut near = *before;
     let mut j = 0;
     while j < chunk.len {
-        // Two at a time where the next is as long: they share the value between them.
-        let next = if j + 1 < chunk.len && length[j].0 == length[j + 1].0 { j + 1 } else { j };
+        let next = if pairs && j + 1 < chunk.len && length[j].0 == length[j + 1].0 { j + 1 } else { j };
         let mut ends = [near, chunk.value[j], chunk.value[next]];
         near = ends[2];
         if backwards {

@@ -54,7 +54,7 @@ pub(crate) fn draw_slices<X: Texture>(
             touched.iter().for_each(|&i| masks[i] = 0);
         }
         for waiting in held.into_iter().map(Mutex::into_inner) {
-            waiting.unwrap_or_else(PoisonError::into_inner).rays.finish(scene, &mut picture);
+            waiting.unwrap_or_else(PoisonError::into_inner).waiting.finish(scene, &mut picture);
         }
     }
     Ok(picture.mean(n * n))
@@ -78,7 +78,7 @@ fn rasterize(proxy: &ProxyGeometry<'_>, slab: Slab, shift: DVec2, size: [u32; 2]
 
 /// Sixteen rays, between slabs.
 struct Held {
-    rays: Waiting,
+    waiting: Waiting,
     /// Numbers of each ray's first slab and of its last, and of the one in the middle, from which samples are counted.
     slabs: [[f64; LANES]; 3],
     /// Bit i: along ray i a stack's index falls.
@@ -105,7 +105,7 @@ impl Vectorized for SetUp<'_> {
             let direction = rays.chords.direction.map(|axis| axis[i]);
             falling |= u32::from(self.scene.setup.slices.fall_along(direction)) << i;
         }
-        Held { rays: waiting, slabs, falling }
+        Held { waiting, slabs, falling }
     }
 }
 
@@ -147,7 +147,7 @@ impl Held {
         if step.first | step.whole | step.last == 0 {
             return;
         }
-        self.rays.march(scene, texture, chunk, |march| march.step(simd, &step));
+        self.waiting.march(scene, texture, chunk, |march| march.step(simd, &step));
     }
 
     /// The samples of a slab, on those of the pixels rasterised whose rays have a part of it, and have not ended.
@@ -156,7 +156,7 @@ impl Held {
         let backwards = *operator == Operator::Over;
         let [first, last, middle] = &self.slabs;
         for i in 0..LANES {
-            let rays = &self.rays.rays;
+            let rays = &self.waiting.rays;
             let live = rasterized & rays.hits & 1 << i != 0 && rays.end.0[i] > f32::NEG_INFINITY;
             if !live || number < first[i] || number > last[i] {
                 continue;

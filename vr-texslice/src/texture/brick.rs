@@ -119,7 +119,7 @@ impl<X: Texture> Texture for InBrick<X> {
 /// Values of a brick decoded from compressed blocks, shaded as the blocks themselves are.
 pub(crate) struct Decoded<'a> {
     field: Field<'a, f32>,
-    /// What gradients are taken from.
+    /// Values that gradients are taken from.
     filled: Lattice<'a, f32>,
     /// Index of the first of them in the volume, and the volume's own dimensions.
     first: [usize; 3],
