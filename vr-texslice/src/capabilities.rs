@@ -102,11 +102,10 @@ fn check_texture(renderer: &TextureSlicer, scene: &Scene) -> Result<(), RenderEr
         return Err(unsupported(Feature::Setting, "stacks of 2D textures but of values"));
     }
     let bricks = renderer.brick.is_some();
-    let shaded = scene.reflection().is_some() && scene.compositing.integrates_light();
-    if bricks && (renderer.format != Format::Scalar || renderer.proxy == Proxy::Stacks || shaded) {
+    if bricks && renderer.proxy == Proxy::Stacks {
         return Err(unsupported(
             Feature::Setting,
-            "bricks but of unshaded values in 3D textures, classified after interpolation",
+            "bricks of stacks: a stack's textures are the volume's layers, each across all bricks; take planes or shells",
         ));
     }
     if bricks && renderer.order == DrawOrder::Slices {

@@ -1,24 +1,36 @@
 //! Textures of light, made from a volume: classified, and shaded, voxel by voxel.
 
 use glam::DVec3;
+use vr_core::filter::Lattice;
 use vr_core::parallel::each_part;
 use vr_core::{GridVolume, ParameterError, RayShading, Scene, Shading, View, Voxel, with_grid};
 
+use crate::region::Region;
 use crate::slices::Slices;
 use crate::texture_slicer::Format;
 
-/// A texture of light, or of what a palette turns into light.
-pub(crate) enum Classified {
+/// Texels of light, or of what a palette turns into light.
+pub(crate) enum LightTexels {
     Rgba(Vec<[f32; 4]>),
     Luminance(Vec<[f32; 2]>),
-    Indices { texels: Vec<u8>, palette: Box<[[f32; 4]; 256]>, reflections: Option<Reflections> },
+    /// Indices into a palette; where voxels are shaded, factors on the three colours of each, and the three lights that are added to an opaque one. A palette
+    /// holds one colour for a value, so it cannot hold the colours of all orientations of a surface.
+    Indices {
+        indices: Vec<u8>,
+        reflections: Option<Vec<[f32; 6]>>,
+    },
 }
 
-/// Light reflected by each voxel of a palette's texture. A palette holds one colour for a value, so it cannot hold the colours of all orientations of a surface.
-pub(crate) struct Reflections {
-    seen: Seen,
-    /// Factors on the three colours of a voxel, and the three lights that are added to an opaque one.
-    pub(crate) texels: Vec<[f32; 6]>,
+/// Light and opacity of every index.
+pub(crate) type Palette = [[f32; 4]; 256];
+
+/// A volume's texture of light.
+pub(crate) struct Classified {
+    pub(crate) texels: LightTexels,
+    /// Palette of indices.
+    pub(crate) palette: Option<Box<Palette>>,
+    /// Rays on which voxels reflect what indices have beside them; `None` where they have nothing.
+    seen: Option<Seen>,
 }
 
 /// Index, of 256, that stands for a missing voxel.
@@ -107,71 +119,105 @@ impl TextureKey {
     }
 }
 
-impl Classified {
-    /// Bytes that a volume takes in a format of light, shaded or not.
-    pub(crate) fn bytes(format: Format, volume: &GridVolume, shaded: bool) -> u64 {
-        let texel = match format {
+impl LightTexels {
+    /// Bytes of a texel in a format of light, shaded or not.
+    pub(crate) fn texel_bytes(format: Format, shaded: bool) -> u64 {
+        match format {
             Format::Rgba => 16,
             Format::LuminanceAlpha => 8,
             _ if shaded => 1 + size_of::<[f32; 6]>() as u64,
             _ => 1,
-        };
-        volume.dims().iter().product::<usize>() as u64 * texel
+        }
     }
 
-    /// Classifies every voxel for slabs of a length, or makes its index and a palette.
-    pub(crate) fn new(format: Format, scene: &Scene, volume: &GridVolume, made: &TextureKey) -> Self {
+    /// Bytes of its texels.
+    pub(crate) fn bytes(&self) -> u64 {
+        let bytes = match self {
+            Self::Rgba(texels) => size_of_val(&texels[..]),
+            Self::Luminance(texels) => size_of_val(&texels[..]),
+            Self::Indices { indices, reflections } => {
+                indices.len() + reflections.as_ref().map_or(0, |reflections| size_of_val(&reflections[..]))
+            }
+        };
+        bytes as u64
+    }
+
+    /// Classifies voxels for slabs of a length, or finds their indices.
+    pub(crate) fn new(format: Format, scene: &Scene, volume: &GridVolume, made: &TextureKey, region: &Region) -> Self {
         let shading = VoxelShading::new(scene, volume, made.seen);
         let light = |stored: f64, index: [usize; 3]| {
             let light = classified(scene, volume, made.length, stored);
             shading.as_ref().map_or(light, |shading| shading.shade(light, index)).map(|x| x as f32)
         };
         match format {
-            Format::Rgba => Self::Rgba(each(volume, light)),
-            Format::LuminanceAlpha => Self::Luminance(each(volume, |stored, index| {
+            Format::Rgba => Self::Rgba(each(volume, region, light)),
+            Format::LuminanceAlpha => Self::Luminance(each(volume, region, |stored, index| {
                 let [luminance, _, _, alpha] = light(stored, index);
                 [luminance, alpha]
             })),
             _ => {
                 let code = Codes::of(volume);
-                let texels = each(volume, |stored, _| code.index(stored));
-                let palette = code.palette(scene, volume, made.length);
-                Self::Indices { texels, palette, reflections: Reflections::new(scene, volume, made.seen) }
+                Self::Indices {
+                    indices: each(volume, region, |stored, _| code.index(stored)),
+                    reflections: reflections(scene, volume, made.seen, region),
+                }
             }
-        }
-    }
-
-    /// Takes over a new transfer function, length or view where no voxel has to be read again; returns false where only the palette is new.
-    pub(crate) fn recolor(&mut self, scene: &Scene, volume: &GridVolume, made: &TextureKey) -> bool {
-        let Self::Indices { palette, reflections, .. } = self else { return false };
-        *palette = Codes::of(volume).palette(scene, volume, made.length);
-        let serves = reflections.as_ref().map(|r| r.seen) == made.seen;
-        if !serves {
-            // The old ones go first: there may be no room for both.
-            *reflections = None;
-            *reflections = Reflections::new(scene, volume, made.seen);
-        }
-        !serves && made.seen.is_some()
-    }
-
-    /// Forgets the light that voxels reflect, after shading or lights have changed.
-    pub(crate) fn forget_reflections(&mut self) {
-        if let Self::Indices { reflections, .. } = self {
-            *reflections = None;
         }
     }
 }
 
-impl Reflections {
-    /// Makes them for a view; `None` where nothing is shaded.
-    fn new(scene: &Scene, volume: &GridVolume, seen: Option<Seen>) -> Option<Self> {
-        let shading = VoxelShading::new(scene, volume, seen)?;
-        let texels = each(volume, |_, index| {
-            let ([a, b, c], [d, e, f]) = shading.reflect(index);
-            [a, b, c, d, e, f].map(|x| x as f32)
-        });
-        Some(Self { seen: seen?, texels })
+/// Largest distance from a stored number to the one that a format classifies in its place.
+pub(crate) fn max_code_error(format: Format, volume: &GridVolume) -> f32 {
+    if format == Format::Paletted { Codes::of(volume).max_error() as f32 } else { 0.0 }
+}
+
+/// The palette of a format, for slabs of a length; `None` of formats that have none.
+pub(crate) fn palette(format: Format, scene: &Scene, volume: &GridVolume, length: f64) -> Option<Box<Palette>> {
+    (format == Format::Paletted).then(|| Codes::of(volume).palette(scene, volume, length))
+}
+
+impl Classified {
+    /// Bytes that a volume takes in a format of light, shaded or not.
+    pub(crate) fn bytes(format: Format, volume: &GridVolume, shaded: bool) -> u64 {
+        volume.dims().iter().product::<usize>() as u64 * LightTexels::texel_bytes(format, shaded)
     }
+
+    /// Classifies every voxel for slabs of a length, or makes its index and a palette.
+    pub(crate) fn new(format: Format, scene: &Scene, volume: &GridVolume, made: &TextureKey) -> Self {
+        let texels = LightTexels::new(format, scene, volume, made, &Region::whole(volume.dims()));
+        Self { texels, palette: palette(format, scene, volume, made.length), seen: made.seen }
+    }
+
+    /// Takes over a new transfer function, length or view where no voxel has to be read again; returns true if what voxels reflect is new, false where only the
+    /// palette is; `None` if every voxel has to be classified again.
+    pub(crate) fn recolor(&mut self, scene: &Scene, volume: &GridVolume, made: &TextureKey) -> Option<bool> {
+        let LightTexels::Indices { reflections: kept, .. } = &mut self.texels else { return None };
+        self.palette = palette(Format::Paletted, scene, volume, made.length);
+        let serves = self.seen == made.seen;
+        if !serves {
+            // The old ones go first: there may be no room for both.
+            *kept = None;
+            *kept = reflections(scene, volume, made.seen, &Region::whole(volume.dims()));
+            self.seen = made.seen;
+        }
+        Some(!serves && made.seen.is_some())
+    }
+
+    /// Forgets the light that voxels reflect, after shading or lights have changed.
+    pub(crate) fn forget_reflections(&mut self) {
+        if let LightTexels::Indices { reflections, .. } = &mut self.texels {
+            (*reflections, self.seen) = (None, None);
+        }
+    }
+}
+
+/// Light that voxels reflect in a view; `None` where nothing is shaded.
+fn reflections(scene: &Scene, volume: &GridVolume, seen: Option<Seen>, region: &Region) -> Option<Vec<[f32; 6]>> {
+    let shading = VoxelShading::new(scene, volume, seen)?;
+    Some(each(volume, region, |_, index| {
+        let ([a, b, c], [d, e, f]) = shading.reflect(index);
+        [a, b, c, d, e, f].map(|x| x as f32)
+    }))
 }
 
 /// Light and opacity of a stored number and a slab, NaN where it is missing.
@@ -202,22 +248,30 @@ impl<'a> ExactTexels<'a> {
     }
 }
 
-/// One texel for every sample, from its stored number and its index.
-fn each<X: Send + Copy + Default>(volume: &GridVolume, texel: impl Fn(f64, [usize; 3]) -> X + Sync) -> Vec<X> {
+/// One texel for every sample of a region, from its stored number and its index.
+fn each<X: Send + Copy + Default>(
+    volume: &GridVolume,
+    region: &Region,
+    texel: impl Fn(f64, [usize; 3]) -> X + Sync,
+) -> Vec<X> {
     fn fill<T: Voxel, X: Send>(
-        samples: &[T],
-        dims: [usize; 3],
+        lattice: &Lattice<'_, T>,
+        region: &Region,
         out: &mut [X],
         texel: impl Fn(f64, [usize; 3]) -> X + Sync,
     ) {
-        each_part(out.chunks_mut(dims[0]).zip(samples.chunks(dims[0])), |row, (out, samples)| {
-            for (x, (out, s)) in out.iter_mut().zip(*samples).enumerate() {
-                *out = texel(f64::from(s.to_f32()), [x, row % dims[1], row / dims[1]]);
+        each_part(out.chunks_mut(region.dims[0]), |row, out| {
+            let [first, y, z] = region.row(row);
+            let from = lattice.offset(first, y, z);
+            for (i, (out, s)) in out.iter_mut().zip(&lattice.samples[from..]).enumerate() {
+                *out = texel(f64::from(s.to_f32()), [first + i, y, z]);
             }
         });
     }
-    let mut all = vec![X::default(); volume.dims().iter().product()];
-    with_grid!(volume.values(), g => fill(g.samples(), g.dims(), &mut all, texel));
+    let mut all = vec![X::default(); region.count()];
+    with_grid!(volume.values(), g => {
+        fill(&Lattice { samples: g.samples(), dims: g.dims() }, region, &mut all, texel);
+    });
     all
 }
 
@@ -244,7 +298,7 @@ impl Codes {
     }
 
     /// Light and opacity of every index.
-    fn palette(&self, scene: &Scene, volume: &GridVolume, length: f64) -> Box<[[f32; 4]; 256]> {
+    fn palette(&self, scene: &Scene, volume: &GridVolume, length: f64) -> Box<Palette> {
         let holes = volume.value_stats().has_missing();
         let entry = |i: usize| {
             let missing = holes && i == usize::from(MISSING);
@@ -252,6 +306,11 @@ impl Codes {
             classified(scene, volume, length, stored).map(|x| x as f32)
         };
         Box::new(std::array::from_fn(entry))
+    }
+
+    /// Largest distance from a stored number to the one that stands for it.
+    fn max_error(&self) -> f64 {
+        if self.last == 255.0 { 0.0 } else { 0.5 * self.step }
     }
 
     /// The stored number that stands for a given one in a palette.

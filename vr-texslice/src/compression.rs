@@ -3,6 +3,9 @@
 use vr_core::filter::Lattice;
 use vr_core::parallel::each_part;
 use vr_core::{GridVolume, LatticeVisitor, Real, VacuumCells, Voxel, gradient_between_samples};
+use vr_kernels::ranges::BlockRange;
+
+use crate::region::Region;
 
 /// Texels along the edge of a block.
 const EDGE: usize = 4;
@@ -80,19 +83,49 @@ impl Compressed {
 
     /// Central differences of the texels per index step, linear between them, at a place in index space: from the texels of the cells around it.
     pub(crate) fn gradient_at<R: Real>(&self, at: [R; 3]) -> [R; 3] {
-        let cell: [usize; 3] = std::array::from_fn(|a| at[a].to_index().min(self.dims[a] - 2));
-        let low = cell.map(|c| c.saturating_sub(1));
-        let dims: [usize; 3] = std::array::from_fn(|a| (cell[a] + 3).min(self.dims[a]) - low[a]);
-        let mut texels = [0.0; TEXELS];
-        for z in 0..dims[2] {
-            for y in 0..dims[1] {
-                for x in 0..dims[0] {
-                    texels[(z * dims[1] + y) * dims[0] + x] = self.at([low[0] + x, low[1] + y, low[2] + z]);
-                }
+        gradient_of_texels(self.dims, at, |texel| self.at(texel))
+    }
+
+    /// The values of texels, in the place of missing ones the nearest.
+    pub(crate) fn decode(&self, region: &Region) -> Vec<f32> {
+        let mut texels = vec![0.0; region.count()];
+        each_part(texels.chunks_mut(region.dims[0]), |row, texels| {
+            let [first, y, z] = region.row(row);
+            texels.iter_mut().zip(first..).for_each(|(texel, x)| *texel = self.at([x, y, z]));
+        });
+        texels
+    }
+
+    /// The values of texels, NaN for those that are missing.
+    ///
+    /// Which cells are vacuum is known, and not which texels are missing: those count as it that have vacuum on all sides. Each cell of vacuum has one of
+    /// them at a corner, and no other cell has.
+    pub(crate) fn decode_with_missing(&self, region: &Region) -> Vec<f32> {
+        let mut texels = self.decode(region);
+        let Some(vacuum) = &self.vacuum else { return texels };
+        each_part(texels.chunks_mut(region.dims[0]), |row, texels| {
+            let [first, y, z] = region.row(row);
+            for (texel, x) in texels.iter_mut().zip(first..) {
+                let at = [x, y, z];
+                let around = |a: usize| at[a].saturating_sub(1)..=at[a].min(self.dims[a] - 2);
+                let missing = around(2).all(|z| around(1).all(|y| around(0).all(|x| vacuum.is_vacuum([x, y, z]))));
+                *texel = if missing { f32::NAN } else { *texel };
+            }
+        });
+        texels
+    }
+
+    /// Bounds of the field in cells, given from the first to behind the last along each axis: those of the blocks that hold their corners.
+    pub(crate) fn range(&self, cells: &[[usize; 2]; 3]) -> BlockRange {
+        let last = ((1u32 << self.bits) - 1) as f32;
+        let [x, y, z] = cells.map(|[first, behind]| first / EDGE..behind / EDGE + 1);
+        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+        for row in z.flat_map(|z| y.clone().map(move |y| (z * self.blocks[1] + y) * self.blocks[0])) {
+            for [smallest, step] in &self.ends[row + x.start..row + x.end] {
+                (low, high) = (low.min(*smallest), high.max(smallest + step * last));
             }
         }
-        let lattice = Lattice { samples: &texels[..dims.iter().product()], dims };
-        gradient_between_samples(&lattice, std::array::from_fn(|a| at[a] - R::from_index(low[a])))
+        BlockRange::of_trilinear([low, high])
     }
 
     /// Level of a texel. Of 3 bits, 21 levels share a word but for the last of the block's three, which holds 22: levels run on across words.
@@ -107,6 +140,24 @@ impl Compressed {
         }
         level & ((1 << self.bits) - 1)
     }
+}
+
+/// Central differences of texels per index step, linear between them, at a place in the index space of a texture of so many texels along each axis.
+#[inline(always)]
+pub(crate) fn gradient_of_texels<R: Real>(dims: [usize; 3], at: [R; 3], texel: impl Fn([usize; 3]) -> f32) -> [R; 3] {
+    let cell: [usize; 3] = std::array::from_fn(|a| at[a].to_index().min(dims[a] - 2));
+    let low = cell.map(|c| c.saturating_sub(1));
+    let dims: [usize; 3] = std::array::from_fn(|a| (cell[a] + 3).min(dims[a]) - low[a]);
+    let mut texels = [0.0; TEXELS];
+    for z in 0..dims[2] {
+        for y in 0..dims[1] {
+            for x in 0..dims[0] {
+                texels[(z * dims[1] + y) * dims[0] + x] = texel([low[0] + x, low[1] + y, low[2] + z]);
+            }
+        }
+    }
+    let lattice = Lattice { samples: &texels[..dims.iter().product()], dims };
+    gradient_between_samples(&lattice, std::array::from_fn(|a| at[a] - R::from_index(low[a])))
 }
 
 struct Compress {
@@ -191,5 +242,41 @@ mod tests {
         assert!((0..64).all(|i| levels.at([i % 4, i / 4 % 4, i / 16]) == (i % 8 * 5) as f32));
         let constant = compressed([4, 4, 4], vec![-3.5f32; 64]);
         assert_eq!(constant.at([1, 2, 3]), -3.5);
+    }
+
+    #[test]
+    fn a_decoded_brick_is_the_field_of_its_blocks() {
+        let dims = [9, 7, 6];
+        let holes = |[x, y, z]: [usize; 3]| (x < 3 && y < 3) || [x, y, z] == [6, 5, 2] || z == 5 && x > 6;
+        let value = |i: usize| {
+            let at = [i % 9, i / 9 % 7, i / 63];
+            if holes(at) { f32::NAN } else { (i * 7919 % 251) as f32 }
+        };
+        let texture = compressed(dims, (0..378).map(value).collect());
+        let region = Region::around(&[[2, 8], [1, 6], [0, 5]], 1, dims);
+        let texels = texture.decode_with_missing(&region);
+        let (mut missing, filled) = (0, texture.decode(&region));
+        for z in region.first[2]..region.first[2] + region.dims[2] - 1 {
+            for y in region.first[1]..region.first[1] + region.dims[1] - 1 {
+                for x in region.first[0]..region.first[0] + region.dims[0] - 1 {
+                    let corner = |i: usize| {
+                        let at = [x + (i & 1), y + (i >> 1 & 1), z + (i >> 2)];
+                        let [x, y, z] = std::array::from_fn(|a| at[a] - region.first[a]);
+                        (z * region.dims[1] + y) * region.dims[0] + x
+                    };
+                    let corners: [usize; 8] = std::array::from_fn(corner);
+                    let blocks = texture.cell([x, y, z]);
+                    let vacuum = blocks[0].is_nan();
+                    missing += u32::from(vacuum);
+                    // Cells of vacuum have a missing corner, others none; and their values are bounded.
+                    assert_eq!(corners.iter().any(|&i| texels[i].is_nan()), vacuum, "{x} {y} {z}");
+                    let range = texture.range(&[[x, x + 1], [y, y + 1], [z, z + 1]]);
+                    for (i, block) in corners.into_iter().zip(blocks).filter(|_| !vacuum) {
+                        assert!(texels[i] == block && filled[i] == block && (range.low..=range.high).contains(&block));
+                    }
+                }
+            }
+        }
+        assert!(missing > 20 && filled.iter().all(|v| v.is_finite()), "{missing}");
     }
 }

@@ -74,7 +74,20 @@
 //! | paletted | 1; shaded 25 | 256 entries | what every voxel reflects, if shaded |
 //!
 //! [`RenderStats::stages`](vr_core::RenderStats::stages) of the next picture tells what had to be made, and how long it took: `table`, `palette`, `classify`,
-//! `reflect`, `compress`, `stack`; what was there already is not listed. Textures, tables apart, stay within [`TextureSlicer::budget`], or there is a typed error; [bricks](TextureSlicer::brick) come and go within it.
+//! `reflect`, `compress`, `stack`, `brick`; what was there already is not listed. Textures, tables apart, stay within [`TextureSlicer::budget`], or there is a typed error.
+//!
+//! # Bricks
+//! [`TextureSlicer::brick`] cuts the volume's texture into bricks, each a texture of its own: its cells' texels, of which neighbours share a layer, and where
+//! fragments are shaded one more on all sides, for central differences, and beside missing voxels the values that gradients are taken from. Bricks are drawn in an
+//! order in which none hides one before it, or back to front, and each takes all fragments that lie in it; the picture is that through one texture, bit for bit, in
+//! every format, under every operator and blend, shaded or not.
+//!
+//! A brick is made when rays first meet something visible in it: copied, classified, or decoded from compressed blocks, whose texels are then fetched as those of
+//! plain values. It stays for later pictures until the budget has no room for another, and the least recently used ones go first. Compressed blocks
+//! themselves stay, and count. A budget in which the largest brick has no room is refused, with the bytes that it needs.
+//!
+//! A pre-integrated segment may begin in one brick and end in another: it is drawn in that of its end, with the value kept from its begin, and, shaded, what its middle
+//! reflects, kept from the brick of that. A brick is left out where nothing is visible as far around it as a segment reaches.
 //!
 //! # Accuracy
 //! Against the canonical pixel, errors fall with the distance of slices by the order 2 where field and transfer function are continuous, of planes, shells and
@@ -85,7 +98,7 @@
 //! # What it does not do
 //! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; filters other than the trilinear one; analytic gradients, and opacity that
 //! follows the gradient; colours, and lights of a colour, on luminance alone; values picked from textures of light, or back to front; stacks but of values; bricks
-//! but of unshaded values in 3D textures, tile by tile: a brick's slices are drawn while it is there. `maximum` and `minimum` are of samples.
+//! of stacks, whose textures are layers; and bricks slice by slice: a brick's slices are drawn while it is there. `maximum` and `minimum` are of samples.
 
 mod bricks;
 mod capabilities;
@@ -102,8 +115,10 @@ mod options;
 mod prepared;
 mod projection;
 mod proxy;
+mod region;
 mod renderer;
 mod slices;
+mod store;
 mod study;
 mod tables;
 mod texture;

@@ -78,14 +78,14 @@ impl Configurable for TextureSlicer {
                 ),
                 DeclaredOption::number(
                     "brick",
-                    "cells along the edge of a brick, each a texture of its own; 0: the volume is one",
+                    "cells along the edge of a brick, each a texture of its own, made when first met; 0: the volume is one; same picture",
                     NumberRange::at_least(8.0).up_to(1024.0).whole().or_zero(),
                     |r| r.brick.map_or(0.0, f64::from),
                     |r, edge| r.brick = (edge != 0.0).then_some(edge as u32),
                 ),
                 DeclaredOption::number(
                     "budget",
-                    "mebibytes that textures may take: bricks come and go within it",
+                    "mebibytes that textures may take: bricks come and go within it, the least recently used first",
                     NumberRange::above(0.0).up_to(Self::MAX_BUDGET),
                     |r| r.budget,
                     |r, x| r.budget = x,

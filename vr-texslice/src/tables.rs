@@ -1,17 +1,19 @@
 //! Tables of the transfer function, and what can be visible by them.
 
-use std::sync::Arc;
-use vr_core::{GridVolume, Scene};
+use std::sync::{Arc, Mutex};
+
+use vr_core::parallel::locked;
+use vr_core::{GridVolume, Scene, TransferFunction};
 use vr_kernels::ranges::Visibility;
 use vr_kernels::tables::{BakedTransfer, PreIntegrated, table_range};
-use vr_kernels::vector::OpticsTable;
+use vr_kernels::vector::{OpticsTable, SegmentTable};
 
 use crate::texture_slicer::{Format, TextureSlicer};
 
 /// Tables that follow from the transfer function alone.
 pub(crate) struct Tables {
     range: (f32, f32),
-    pub(crate) segments: Option<Arc<PreIntegrated<f32>>>,
+    pub(crate) segments: Option<Arc<SegmentTable>>,
     lengths: Option<LengthTables>,
 }
 
@@ -26,7 +28,7 @@ pub(crate) struct LengthTables {
 
 impl Tables {
     pub(crate) fn new(renderer: &TextureSlicer, scene: &Scene, volume: &GridVolume) -> Self {
-        let segments = (renderer.format == Format::PreIntegrated).then(|| Arc::new(segments(scene, volume)));
+        let segments = (renderer.format == Format::PreIntegrated).then(|| last_segments(scene, volume));
         let (low, high) = volume.value_stats().range.unwrap_or((0.0, 0.0));
         let field = (f64::from(low), f64::from(high));
         let range = table_range(field, volume.voxel_type().is_integer(), volume.calibration(), &scene.transfer);
@@ -42,7 +44,8 @@ impl Tables {
         let baked = Arc::new(BakedTransfer::new(&scene.transfer, volume.calibration(), self.range, integer, length));
         let optics = OpticsTable::new(&baked, &scene.transfer, volume.calibration(), length);
         let table = Some(&baked).filter(|table| self.segments.is_none() && table.resolves());
-        let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), table, self.segments.as_ref());
+        let segments = self.segments.as_deref().map(SegmentTable::pre_integrated);
+        let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), table, segments);
         self.lengths = Some(LengthTables { length, baked, optics, visibility });
         true
     }
@@ -64,6 +67,56 @@ const INTERVALS: [usize; 3] = [1024, 8192, 65536];
 pub(crate) fn segments<R: vr_core::Real>(scene: &Scene, volume: &GridVolume) -> PreIntegrated<R> {
     let range = volume.value_stats().range.unwrap_or((0.0, 0.0));
     let table = |intervals| PreIntegrated::new(&scene.transfer, volume.calibration(), range, intervals);
-    let aligned = INTERVALS.into_iter().map(table).find(PreIntegrated::is_aligned);
-    aligned.unwrap_or_else(|| table(INTERVALS[2]))
+    let [fewest, more, most] = INTERVALS;
+    let aligned = [fewest, more].into_iter().map(table).find(PreIntegrated::is_aligned);
+    aligned.unwrap_or_else(|| table(most))
+}
+
+/// The table of a volume's last transfer function. The largest take as long to make as a large picture: renderers of other settings share it.
+#[derive(Default)]
+struct LastSegments(Mutex<Option<(Arc<TransferFunction>, Arc<SegmentTable>)>>);
+
+/// The table of segments for fragments, kept with the volume until there is one for another transfer function.
+fn last_segments(scene: &Scene, volume: &GridVolume) -> Arc<SegmentTable> {
+    let kept = volume.derived().get("last segments", LastSegments::default);
+    let mut kept = locked(&kept.0);
+    match &*kept {
+        Some((transfer, table)) if *transfer == scene.transfer => Arc::clone(table),
+        _ => {
+            let table = Arc::new(SegmentTable::new(&Arc::new(segments(scene, volume))));
+            *kept = Some((Arc::clone(&scene.transfer), Arc::clone(&table)));
+            table
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vr_core::{Calibration, ControlPoint, OpacityRule, Placement, UniformGrid};
+
+    #[test]
+    fn a_volume_keeps_the_table_of_its_last_transfer_function() {
+        let samples: Vec<f32> = (0..27).map(|i| i as f32).collect();
+        let placement = Placement::from_spacing([1.0; 3]).unwrap();
+        let grid = UniformGrid::new([3; 3], samples, placement, Calibration::default()).unwrap();
+        let transfer = |knot: f64| {
+            let points = [(0.0, 0.0), (knot, 0.3), (26.0, 0.1)];
+            let points = points.map(|(value, opacity)| ControlPoint::new(value, [1.0; 3], opacity));
+            TransferFunction::new(points.to_vec(), OpacityRule::Power, 1.0).unwrap()
+        };
+        let first = Scene::new(grid.into(), transfer(13.0));
+        // No number of intervals has an end at it.
+        let odd = Scene { transfer: transfer(std::f64::consts::E).into(), ..first.clone() };
+        let table = |scene: &Scene| last_segments(scene, scene.volume.grid().unwrap());
+        let (a, b) = (table(&first), table(&first.clone()));
+        assert!(Arc::ptr_eq(&a, &b));
+        let c = table(&odd);
+        assert!(!Arc::ptr_eq(&a, &c) && Arc::ptr_eq(&c, &table(&odd)));
+        let rows = |table: &SegmentTable| table.pre_integrated().rows().len();
+        assert!(rows(&a) <= INTERVALS[0] + 2 && rows(&c) > INTERVALS[2] / 2, "{} {}", rows(&a), rows(&c));
+        // Made anew, it is the same.
+        assert!(!Arc::ptr_eq(&a, &table(&first)));
+        assert_eq!(table(&first).pre_integrated().rows(), a.pre_integrated().rows());
+    }
 }

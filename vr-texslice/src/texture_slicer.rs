@@ -21,9 +21,10 @@ pub struct TextureSlicer {
     /// True if opacities are corrected for the distance between slices along each ray. Off, a picture is darker or brighter with the angle: to show why
     /// it is on.
     pub correction: bool,
-    /// Cells along the edge of a brick; `None`: the volume is one texture.
+    /// Cells along the edge of a brick, a texture of its own, made when it is first met and kept within the budget; `None`: the volume is one texture. The picture
+    /// is the same, bit for bit.
     pub brick: Option<u32>,
-    /// Mebibytes that textures may take.
+    /// Mebibytes that textures may take, tables apart, at every moment: of bricks the least recently used go for others.
     pub budget: f64,
 }
 
@@ -48,7 +49,7 @@ pub enum Format {
     Scalar,
     /// Values; a fragment is a segment between two of them, integrated beforehand (Engel, Kraus & Ertl 2001).
     PreIntegrated,
-    /// Values compressed to blocks of 4³, decoded at each fetch, classified after interpolation.
+    /// Values compressed to blocks of 4³, decoded at each fetch, or brick by brick when one is first met; classified after interpolation.
     Compressed,
     /// Light and opacity, classified and shaded voxel by voxel, then interpolated.
     Rgba,

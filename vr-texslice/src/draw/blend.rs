@@ -59,8 +59,9 @@ pub(crate) fn blend<S: Simd>(
                             stop(rays, reached.to_bitmask() as u32);
                         }
                         if how.negligible >= 0.0 {
-                            let done =
-                                (sums.clear(simd) * how.max_behind.load(simd)).simd_le(splat(simd, how.negligible));
+                            // Only where something was added: what else waits, for another slice or brick, has its own time.
+                            let left = sums.clear(simd) * how.max_behind.load(simd);
+                            let done = live & left.simd_le(splat(simd, how.negligible));
                             stop(rays, done.to_bitmask() as u32);
                         }
                     }
@@ -155,7 +156,7 @@ fn fragment_light<S: Simd>(simd: S, chunk: &Chunk, j: usize) -> [f32x16<S>; 4] {
 
 /// Puts light over the sum so far, and notes the place of each fragment that hides something.
 #[inline(always)]
-pub(crate) fn over<S: Simd>(
+fn over<S: Simd>(
     simd: S,
     live: mask32x16<S>,
     [begin, length]: [f32x16<S>; 2],
@@ -194,42 +195,6 @@ fn average<S: Simd>(
     let added = pick(live, value * ratio, zero);
     let next = sum + added;
     [next, length + pick(live, ratio, zero), lost + ((next - sum) - added)]
-}
-
-/// Takes a value for each of sixteen rays into the picked ones. `between` holds the numbers of the sample before and of its own, `ratio` its length in table lengths.
-/// Returns the rays whose pixels are done.
-#[inline(always)]
-pub(crate) fn choose<S: Simd>(
-    simd: S,
-    operator: Operator,
-    live: mask32x16<S>,
-    between: [f32x16<S>; 2],
-    [value, ratio]: [f32x16<S>; 2],
-    state: &mut State,
-) -> mask32x16<S> {
-    let picked = [state.value.load(simd), state.other.load(simd)];
-    let none = live & !live;
-    match operator {
-        Operator::Extreme { sign } => {
-            let [best, place] = extreme(live, [value * sign, between[1]], picked);
-            (state.value, state.other) = (Lanes::new(best), Lanes::new(place));
-            none
-        }
-        Operator::Average => {
-            let there = live & value.simd_eq(value);
-            let [sum, length, lost] =
-                average(simd, there, [value, ratio], [picked[0], picked[1], state.lost.load(simd)]);
-            (state.value, state.other, state.lost) = (Lanes::new(sum), Lanes::new(length), Lanes::new(lost));
-            none
-        }
-        Operator::First { sign, threshold } => {
-            let passed = live & (value * sign).simd_ge(splat(simd, threshold * sign));
-            state.value = Lanes::new(pick(passed, between[1], picked[0]));
-            state.other = Lanes::new(pick(passed, between[0], picked[1]));
-            passed
-        }
-        _ => none,
-    }
 }
 
 /// Adds a chunk's values, weighted by length, with the rounding error of the sum.

@@ -1,296 +1,314 @@
-//! A picture brick by brick: each takes the fragments of every ray that lie in it, and hands rays on to the next.
+//! A picture brick by brick: each takes the fragments of every ray that lie in it, through the stages of all of them, and hands rays on to the next.
 
 use std::sync::{Mutex, PoisonError};
 
+use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
-use vr_core::filter::Lattice;
 use vr_core::image_order::in_parallel;
 use vr_core::parallel::locked;
 use vr_core::{Control, Counts, RenderError};
-use vr_kernels::vector::{
-    Field, LANES, Lanes, Operator, Pairs, Stage, Sums, Vectorized, cells, inside, pick, run, splat, step_light,
-};
+use vr_kernels::vector::{LANES, Lanes, Vectorized, pick, run, splat};
 
-use super::blend::{choose, over};
+use super::brick_fetcher::{BrickFetcher, Reflected};
+use super::chunk::{Chunk, Fetcher};
 use super::classify::Classifier;
-use super::march::PacketResult;
 use super::picture::Picture;
-use super::state::State;
+use super::step::Step;
 use super::tiles::{Packet, PacketScene, Pixel, sixteens};
-use crate::bricks::{BrickLattice, Cells, Pool};
+use super::waiting::Waiting;
+use crate::bricks::{BrickLattice, BrickSource, Pool};
 use crate::fragments::Fragments;
 use crate::projection::ScreenProjection;
+use crate::texture::{BrickPart, InBrick, Lit, Texture, TextureVisitor};
 
 /// A picture drawn brick by brick.
-pub(crate) struct Bricked<'a, T> {
+pub(crate) struct Bricked<'a> {
     pub(crate) scene: &'a PacketScene<'a>,
-    pub(crate) volume: Lattice<'a, T>,
+    pub(crate) source: BrickSource<'a>,
     pub(crate) lattice: BrickLattice,
-    /// Front to back.
+    /// In the order in which fragments are blended.
     pub(crate) order: &'a [[usize; 3]],
-    /// True if something can be visible in a brick.
-    pub(crate) shows: &'a (dyn Fn([usize; 3]) -> bool + Sync),
+    /// True if something can be visible in the bricks that lie between two of them, ends included.
+    pub(crate) shows: &'a (dyn Fn([[usize; 2]; 3]) -> bool + Sync),
 }
 
-/// Sixteen rays, between bricks.
-struct Waiting {
-    at: Packet,
-    rays: Fragments,
-    state: State,
-    /// The next sample of each ray: the first is numbered one less than the whole ones, the last one more. +∞: no more.
-    next: Lanes,
-    done: PacketResult,
-}
+/// Number of sixteens of rays in a task.
+const GROUP: usize = 64;
 
-impl<T: Pairs> Bricked<'_, T> {
-    pub(crate) fn draw(&self, pool: &mut Pool<T>, control: &Control) -> Result<(Vec<Pixel>, Counts), RenderError> {
+impl Bricked<'_> {
+    /// Draws all samples of all pixels.
+    ///
+    /// # Errors
+    /// [`RenderError::TooLarge`] if the pool does not hold the largest brick.
+    pub(crate) fn draw(&self, pool: &mut Pool, control: &Control) -> Result<(Vec<Pixel>, Counts), RenderError> {
         let scene = self.scene;
         let view = scene.view;
+        let screen = ScreenProjection::new(view)?;
+        pool.check(self.source.bytes(&self.lattice.largest(self.source.apron())))?;
         let mut picture = Picture::new(view.size);
         let n = view.supersampling;
-        for k in 0..n * n {
+        for sample in 0..n * n {
             let places = sixteens(view.size);
-            let rays = set_up(scene, &places, k, control)?;
-            let screen = ScreenProjection::new(view)?;
+            let rays = in_parallel(control, places.len() as u32, |i| {
+                Mutex::new(run(scene.level, SetUp { scene, at: places[i as usize], sample }))
+            })?;
+            let reach = self.reach(&rays);
             for &brick in self.order {
                 let cells = self.lattice.cells_of(brick);
-                // The footprint of a brick, as a box of pixels.
-                let corners = self.lattice.corners(brick, scene.setup.placement);
-                let [low, high] = screen.bounds(&corners);
-                let touched: Vec<&Mutex<Waiting>> = rays
-                    .iter()
-                    .zip(&places)
-                    .filter(|(_, at)| at.overlaps(low, high))
-                    .map(|(waiting, _)| waiting)
-                    .collect();
-                let texture = if (self.shows)(brick) { Some(pool.texture(brick, &cells, &self.volume)?) } else { None };
-                // Sixteen by sixteen would be too little work a task.
-                let groups: Vec<_> = touched.chunks(GROUP).collect();
-                in_parallel(control, groups.len() as u32, |g| {
-                    for waiting in groups[g as usize] {
-                        let mut waiting = locked(waiting);
-                        let through = BrickRays {
-                            scene,
-                            dims: self.volume.dims,
-                            cells: &cells,
-                            texture: texture.as_ref(),
-                            waiting: &mut waiting,
-                        };
-                        run(scene.level, through);
-                    }
-                })?;
+                // The sixteens of pixels in its footprint.
+                let [low, high] = screen.bounds(&self.lattice.corners(brick, scene.setup.placement));
+                let touched: Vec<&Mutex<BrickRays>> =
+                    rays.iter().zip(&places).filter(|(_, at)| at.overlaps(low, high)).map(|(rays, _)| rays).collect();
+                if touched.is_empty() {
+                    continue;
+                }
+                let region = self.source.region(&cells);
+                let part = BrickPart::new(scene.setup.dims, &cells, region.first);
+                let pass = PassBrick { scene, control, touched: &touched, part };
+                if (self.shows)(self.lattice.bricks_around(brick, reach)) {
+                    let texture = pool.brick(brick, &self.source, &region, control)?;
+                    texture.with_texture(&self.source, &region, pass)?;
+                } else {
+                    pass.skip()?;
+                }
             }
             for waiting in rays {
-                let Waiting { at, rays, state, done, .. } =
-                    waiting.into_inner().unwrap_or_else(PoisonError::into_inner);
-                picture.add(scene, &at, &rays, &state, done);
+                waiting.into_inner().unwrap_or_else(PoisonError::into_inner).waiting.finish(scene, &mut picture);
             }
         }
         Ok(picture.mean(n * n))
     }
-}
 
-/// The rays of sample `k` of every pixel, before the first brick.
-fn set_up(
-    scene: &PacketScene<'_>,
-    places: &[Packet],
-    k: u32,
-    control: &Control,
-) -> Result<Vec<Mutex<Waiting>>, RenderError> {
-    in_parallel(control, places.len() as u32, |i| {
-        let at = places[i as usize];
-        let mut rays = Fragments::EMPTY;
-        run(scene.level, SetUp { scene, at, sample: k, rays: &mut rays });
-        let state = State::new(scene.pass.operator);
-        if scene.pass.operator == Operator::Over {
-            rays.turn();
+    /// Cells over which a segment extends along each axis, at most. A brick in which nothing is visible still matters to the segments that only begin in it, or
+    /// end: it may be left out where nothing is visible so far around it.
+    fn reach(&self, rays: &[Mutex<BrickRays>]) -> [usize; 3] {
+        let mut reach = [0.0f32; 3];
+        if !matches!(self.scene.pass.classifier, Classifier::Segments(_)) {
+            return [0; 3];
         }
-        let first = |i: usize| if rays.hits >> i & 1 == 1 { rays.begin.0[i] - 1.0 } else { f32::INFINITY };
-        let next = Lanes(std::array::from_fn(first));
-        Mutex::new(Waiting { at, rays, state, next, done: PacketResult::default() })
-    })
+        for waiting in rays {
+            let rays = &locked(waiting).waiting.rays;
+            for i in (0..LANES).filter(|i| rays.hits >> i & 1 == 1) {
+                // A ray without whole samples is one segment.
+                let single = rays.begin.0[i] >= rays.end.0[i];
+                for a in 0..3 {
+                    let all = rays.outer[1][a].0[i] - rays.outer[0][a].0[i];
+                    reach[a] = reach[a].max(if single { all } else { rays.delta[a].0[i] }.abs());
+                }
+            }
+        }
+        reach.map(|cells| cells.ceil() as usize)
+    }
 }
-
-/// Sixteens of rays of a task.
-const GROUP: usize = 64;
 
 struct SetUp<'a> {
     scene: &'a PacketScene<'a>,
     at: Packet,
     sample: u32,
-    rays: &'a mut Fragments,
 }
 
 impl Vectorized for SetUp<'_> {
-    type Output = ();
+    type Output = BrickRays;
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        self.at.set_up(simd, self.scene, self.sample, self.rays);
+    fn run<S: Simd>(self, simd: S) -> BrickRays {
+        let waiting = Waiting::new(simd, self.scene, self.at, self.sample);
+        let next = Lanes(waiting.rays.begin.0.map(|begin| begin - 1.0));
+        BrickRays { waiting, next, middles: Reflected::NOTHING }
     }
 }
 
-/// Sixteen rays through one brick.
-struct BrickRays<'a, T> {
+/// All rays that may meet a brick, on their way through it.
+struct PassBrick<'a> {
     scene: &'a PacketScene<'a>,
-    dims: [usize; 3],
-    cells: &'a Cells,
-    /// `None`: nothing is visible in it.
-    texture: Option<&'a Lattice<'a, T>>,
-    waiting: &'a mut Waiting,
+    control: &'a Control,
+    touched: &'a [&'a Mutex<BrickRays>],
+    part: BrickPart,
 }
 
-impl<T: Pairs> Vectorized for BrickRays<'_, T> {
+impl PassBrick<'_> {
+    /// Does something to all of them, many to a task: sixteen by sixteen would be too little work.
+    fn each(&self, work: impl Fn(&[&Mutex<BrickRays>]) + Sync) -> Result<(), RenderError> {
+        let groups: Vec<_> = self.touched.chunks(GROUP).collect();
+        in_parallel(self.control, groups.len() as u32, |g| work(groups[g as usize]))?;
+        Ok(())
+    }
+
+    /// Leaves out a brick in which nothing is visible.
+    fn skip(&self) -> Result<(), RenderError> {
+        self.each(|group| run(self.scene.level, Skip { part: &self.part, group }))
+    }
+}
+
+impl TextureVisitor for PassBrick<'_> {
+    type Output = Result<(), RenderError>;
+
+    fn visit<X: Texture>(self, texture: X) -> Self::Output {
+        let Self { scene, part, .. } = self;
+        let texture = InBrick { texture, part };
+        self.each(|group| run(scene.level, Group { scene, texture: &texture, part: &part, group }))
+    }
+}
+
+struct Skip<'a> {
+    part: &'a BrickPart,
+    group: &'a [&'a Mutex<BrickRays>],
+}
+
+impl Vectorized for Skip<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Waiting { rays, state, next, done, .. } = self.waiting;
-        let field = self.texture.map(Field::new);
-        let mut stage = Stage::<T>::default();
-        let mut sums = Sums::load(simd, &state.sums);
-        let mut number = next.load(simd);
-        let (zero, one, never) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, f32::INFINITY));
-        let max = self.dims.map(|n| (n - 1) as f32);
-        let operator = self.scene.pass.operator;
-        let level = if let Operator::Under { level } = operator { level } else { 1.0 };
-        let behind = rays.max_behind(self.scene.max_radiance);
-        loop {
-            // The next sample of each ray: its first, a whole one, or its last.
+        self.group.iter().for_each(|rays| locked(rays).skip(simd, self.part));
+    }
+}
+
+/// Some sixteens of rays.
+struct Group<'a, X> {
+    scene: &'a PacketScene<'a>,
+    texture: &'a X,
+    part: &'a BrickPart,
+    group: &'a [&'a Mutex<BrickRays>],
+}
+
+impl<X: Texture> Vectorized for Group<'_, X> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let mut chunk = Chunk::EMPTY;
+        let mut fetcher = Fetcher::new(self.texture);
+        for rays in self.group {
+            locked(rays).draw(simd, self.scene, &mut fetcher, self.part, &mut chunk);
+        }
+    }
+}
+
+/// Sixteen rays, between bricks.
+struct BrickRays {
+    waiting: Waiting,
+    /// The next sample of each ray: the first is numbered one less than the whole ones, the last one more.
+    next: Lanes,
+    /// Reflection at the middle of each ray's next segment, as far as it has been met.
+    middles: Reflected,
+}
+
+impl BrickRays {
+    /// Takes the samples that lie in a brick.
+    fn draw<S: Simd, X: Texture>(
+        &mut self,
+        simd: S,
+        scene: &PacketScene<'_>,
+        fetcher: &mut Fetcher<'_, X>,
+        part: &BrickPart,
+        chunk: &mut Chunk,
+    ) {
+        let here = samples_here(simd, &self.waiting.rays, &self.next, part);
+        let mut texture = BrickFetcher { fetcher, part, middles: &mut self.middles };
+        if here.any() {
+            let only = |first, last| Step { first, whole: 0, last, number: Lanes::ZERO };
+            self.waiting.march(scene, &mut texture, chunk, |march| {
+                march.step(simd, &only(here.first, 0));
+                let (from, to) = here.whole();
+                march.stretch(simd, from, &to);
+                march.step(simd, &only(0, here.last));
+            });
+            texture.middles.forget(&self.next, &here.next);
+            self.next = here.next;
+        }
+        if let (Classifier::Segments(_), Some(shading)) = (scene.pass.classifier, scene.shading) {
+            let lit = Lit { shading, lights: &self.waiting.lights };
+            texture.meet_middles(simd, &self.waiting.rays, &self.next, &lit);
+        }
+    }
+
+    /// Leaves out the samples that lie in a brick.
+    fn skip<S: Simd>(&mut self, simd: S, part: &BrickPart) {
+        let here = samples_here(simd, &self.waiting.rays, &self.next, part);
+        self.waiting.done.skipped += here.count();
+        for i in (0..LANES).filter(|&i| self.next.0[i] != here.next.0[i]) {
+            // The segment from its last sample here is one in which nothing is visible.
+            self.waiting.before.0[i] = f32::NAN;
+        }
+        self.middles.forget(&self.next, &here.next);
+        self.next = here.next;
+    }
+}
+
+/// The samples of sixteen rays that lie in a brick.
+struct SamplesHere {
+    /// Bit i: the first of ray i, and the last one.
+    first: u32,
+    last: u32,
+    /// Numbers of the whole ones, from the first to behind the last.
+    whole: [Lanes; 2],
+    /// The next sample, behind this brick.
+    next: Lanes,
+}
+
+impl SamplesHere {
+    fn any(&self) -> bool {
+        let [from, to] = &self.whole;
+        self.first | self.last != 0 || from.0 != to.0
+    }
+
+    /// Number of samples.
+    fn count(&self) -> u64 {
+        let [from, to] = &self.whole;
+        let whole: f32 = (0..LANES).map(|i| to.0[i] - from.0[i]).sum();
+        whole as u64 + u64::from(self.first.count_ones() + self.last.count_ones())
+    }
+
+    /// Numbers of the whole ones, as a march takes them: of rays without any the end is −∞.
+    fn whole(&self) -> (Lanes, Lanes) {
+        let [from, to] = &self.whole;
+        let has = |i: usize| from.0[i] < to.0[i];
+        let end = |i: usize| if has(i) { to.0[i] } else { f32::NEG_INFINITY };
+        let begin = |i: usize| if has(i) { from.0[i] } else { 0.0 };
+        (Lanes(std::array::from_fn(begin)), Lanes(std::array::from_fn(end)))
+    }
+}
+
+/// Finds the samples, from each ray's next one on, that lie in a brick: positions are those that they are fetched at.
+#[inline(never)]
+fn samples_here<S: Simd>(simd: S, rays: &Fragments, next: &Lanes, part: &BrickPart) -> SamplesHere {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
             let (begin, end) = (rays.begin.load(simd), rays.end.load(simd));
-            // Back to front, the one sample of a ray with a single slab counts as its last.
-            let first = number.simd_lt(begin) & rays.has[0].load(simd).simd_gt(zero);
-            let whole = !first & number.simd_lt(end);
-            // The last sample is one more than the whole ones: a ray has it, or it has a first one only.
-            let last = number.simd_eq(end) & rays.has[1].load(simd).simd_gt(zero) & !first;
-            let live = (first & number.simd_lt(never)) | whole | last;
-            let mut at = [zero; 3];
-            for a in 0..3 {
-                let along = rays.base[a].load(simd) + number * rays.delta[a].load(simd);
-                let outer = pick(first, rays.outer[0][a].load(simd), rays.outer[1][a].load(simd));
-                let p = pick(first | last, outer, along);
-                // What has no sample may be anywhere, and NaN times 0 is.
-                at[a] = inside(simd, pick(live, p, zero), max[a]);
-            }
-            // Only samples that lie in this brick count.
-            let mut places = cells(simd, at, self.dims.map(|n| n as i32 - 2));
-            let mut here = live;
-            for a in 0..3 {
-                let [low, high] = self.cells[a].map(|c| c as i32);
-                let cell = places.cell[a];
-                here &= within(simd, cell, low, high);
-                // Those of other bricks are not fetched, but somewhere they must lie.
-                places.cell[a] = (cell - low).max(i32x16::splat(simd, 0)).min(i32x16::splat(simd, high - low - 1));
-            }
-            if here.all_false() {
-                break;
-            }
-            let count = u64::from(here.to_bitmask().count_ones());
-            // Fetches, classifies and composites them.
-            if let Some(field) = &field {
-                done.drawn += count;
-                field.fetch(simd, &places, &mut stage);
-                let value = field.value(simd, &places, &stage);
-                let ratio = pick(
-                    first,
-                    rays.outer_ratio[0].load(simd),
-                    pick(last, rays.outer_ratio[1].load(simd), rays.ratio.load(simd)),
-                );
-                let defined = value.simd_eq(value);
-                // Samples on faces up to the first whole one lie in the first slab.
-                let at_begin = whole & number.simd_le(begin);
-                let span = |which: usize| {
-                    pick(first | at_begin, rays.outer_span[0][which].load(simd), rays.outer_span[1][which].load(simd))
-                };
-                let outer = first | last;
-                let (from, length) = (pick(outer, span(0), number - 0.5), pick(outer, span(1), one));
-                if operator.picks() {
-                    // On faces: at the end of what lies between a sample and the one before it; nothing lies before the first.
-                    let from = pick(outer | at_begin, span(0), number - one);
-                    let to = pick(first, from, pick(last | at_begin, span(0) + span(1), number));
-                    let passed = choose(simd, operator, here, [from, to], [value, ratio], state);
-                    number = pick(passed, never, number);
-                } else {
-                    let light = classified(simd, &self.scene.pass.classifier, value, ratio, outer);
-                    let light = [
-                        pick(defined, light[0], zero),
-                        pick(defined, light[1], zero),
-                        pick(defined, light[2], zero),
-                        pick(defined, light[3], zero),
-                    ];
-                    match operator {
-                        Operator::Over => {
-                            let [r, g, b, a] = &state.sums[0];
-                            let sum = [r.load(simd), g.load(simd), b.load(simd), a.load(simd)];
-                            let [r, g, b, a] = over(simd, here & defined, [from, length], light, sum, &mut state.over);
-                            state.sums[0] = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)];
-                        }
-                        _ => {
-                            let reached = sums.add_up_to(simd, level, here & defined, [from, length], light);
-                            number = pick(reached, never, number);
-                        }
-                    }
+            let number = next.load(simd);
+            let heading = [rays.delta[0].load(simd), rays.delta[1].load(simd), rays.delta[2].load(simd)];
+            // Back to front, the one sample of a ray with a single slab is its last.
+            let waits = number.simd_lt(begin) & rays.has[0].load(simd).simd_gt(zero);
+            let [x, y, z] = &rays.outer[0];
+            let first = waits & part.holds_ahead(simd, [x.load(simd), y.load(simd), z.load(simd)], heading);
+            let under_way = !waits | first;
+            let from = pick(first, number + one, number);
+            // Whole ones, as far as they are here.
+            let mut to = from;
+            loop {
+                let position = [
+                    rays.base[0].load(simd) + to * heading[0],
+                    rays.base[1].load(simd) + to * heading[1],
+                    rays.base[2].load(simd) + to * heading[2],
+                ];
+                let here = under_way & to.simd_lt(end) & part.holds_ahead(simd, position, heading);
+                if here.all_false() {
+                    break;
                 }
-            } else {
-                done.skipped += count;
+                to = pick(here, to + one, to);
             }
-            // On to the next samples; pixels that are done stop.
-            number = pick(here, number + one, number);
-            if self.scene.pass.negligible >= 0.0 && matches!(operator, Operator::Under { .. }) {
-                let hidden = (sums.clear(simd) * behind.load(simd)).simd_le(splat(simd, self.scene.pass.negligible));
-                number = pick(hidden, never, number);
+            let [x, y, z] = &rays.outer[1];
+            let at_last = under_way & to.simd_eq(end) & rays.has[1].load(simd).simd_gt(zero);
+            let last = at_last & part.holds_ahead(simd, [x.load(simd), y.load(simd), z.load(simd)], heading);
+            SamplesHere {
+                first: first.to_bitmask() as u32,
+                last: last.to_bitmask() as u32,
+                whole: [Lanes::new(from), Lanes::new(to)],
+                next: Lanes::new(pick(last, to + one, to)),
             }
-        }
-        *next = Lanes::new(number);
-        if matches!(operator, Operator::Under { .. }) {
-            sums.store(&mut state.sums);
-        }
-    }
-}
-
-/// True for lanes with low ≤ cell < high.
-#[inline(always)]
-fn within<S: Simd>(simd: S, cell: i32x16<S>, low: i32, high: i32) -> mask32x16<S> {
-    cell.simd_ge(i32x16::splat(simd, low)) & cell.simd_lt(i32x16::splat(simd, high))
-}
-
-/// Light and opacity of values: those of outer slabs, and of all where slabs differ from ray to ray, by their own lengths.
-#[inline(always)]
-fn classified<S: Simd>(
-    simd: S,
-    with: &Classifier<'_>,
-    value: f32x16<S>,
-    ratio: f32x16<S>,
-    outer: mask32x16<S>,
-) -> [f32x16<S>; 4] {
-    let zero = splat(simd, 0.0);
-    match *with {
-        Classifier::Table { rows, optics, even } => {
-            if even && outer.all_false() {
-                return rows.at(simd, value);
-            }
-            let own = step_light(simd, optics.rows().at(simd, value), ratio, optics.emits);
-            if !even || outer.all_true() {
-                return own;
-            }
-            let whole = rows.at(simd, value);
-            [
-                pick(outer, own[0], whole[0]),
-                pick(outer, own[1], whole[1]),
-                pick(outer, own[2], whole[2]),
-                pick(outer, own[3], whole[3]),
-            ]
-        }
-        Classifier::Exact(light) => {
-            let (value, ratio) = (Lanes::new(value), Lanes::new(ratio));
-            let mut found = [Lanes::ZERO; 4];
-            for i in 0..LANES {
-                let one = light(value.0[i], ratio.0[i]);
-                (0..4).for_each(|c| found[c].0[i] = one[c]);
-            }
-            [found[0].load(simd), found[1].load(simd), found[2].load(simd), found[3].load(simd)]
-        }
-        _ => [zero; 4],
-    }
+        },
+    )
 }

@@ -35,7 +35,7 @@ pub(crate) enum SampleSet<'a> {
 impl SampleSet<'_> {
     /// Positions in the middle of the segments that end at the samples `j` behind these, on faces of slabs.
     #[inline(always)]
-    fn middle<S: Simd>(self, simd: S, rays: &Fragments, j: usize) -> [f32x16<S>; 3] {
+    pub(super) fn middle<S: Simd>(self, simd: S, rays: &Fragments, j: usize) -> [f32x16<S>; 3] {
         let (begin, end) = (rays.begin.load(simd), rays.end.load(simd));
         let half = splat(simd, 0.5);
         let mut middle = [half; 3];
@@ -98,8 +98,8 @@ pub(crate) trait Fetch<S: Simd> {
 
 /// A texture, and where what is fetched from it waits.
 pub(crate) struct Fetcher<'a, X: Texture> {
-    texture: &'a X,
-    stages: [X::Stage; 2],
+    pub(super) texture: &'a X,
+    pub(super) stages: [X::Stage; 2],
 }
 
 impl<'a, X: Texture> Fetcher<'a, X> {

@@ -2,10 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_kernels::tables::{PreIntegrated, TablePlace};
-use vr_kernels::vector::{
-    LANES, Lanes, OpticsTable, Rows, opacity_of_depth, pick, source_weight, splat, step_light, step_of_thickness,
-};
+use vr_kernels::vector::{LANES, Lanes, OpticsTable, Rows, SegmentTable, pick, splat, step_light, step_of_thickness};
 
 use super::chunk::{CHUNK, Chunk};
 
@@ -17,8 +14,8 @@ pub(crate) enum Classifier<'a> {
     /// One by one in f64, where no table tells apart all that the transfer function does: light and opacity of a stored number and a length in table
     /// lengths.
     Exact(&'a (dyn Fn(f32, f32) -> [f32; 4] + Sync)),
-    /// Integrates segments between two values; `brightest`: no stretch shines brighter, channel by channel, where emission is not given on its own.
-    Segments { table: &'a PreIntegrated<f32>, brightest: Option<[f32; 3]> },
+    /// Integrates segments between two values.
+    Segments(&'a SegmentTable),
     /// Texels are light and opacity of one table length.
     Done { even: bool },
     /// Not at all: the operator picks a value.
@@ -67,7 +64,7 @@ pub(crate) fn classify<S: Simd>(simd: S, with: &Classifier<'_>, ratio: &Lanes, o
                     chunk.light[j] = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)];
                 }
             }
-            Classifier::Done { .. } | Classifier::Segments { .. } | Classifier::Values => {}
+            Classifier::Done { .. } | Classifier::Segments(_) | Classifier::Values => {}
         },
     );
 }
@@ -79,80 +76,48 @@ fn where_defined<S: Simd>(simd: S, value: f32x16<S>, alpha: f32x16<S>) -> f32x16
 }
 
 /// Light and opacity of segments that end at the values of a chunk, each so long in world units; each begins where the one before it ended, the first at
-/// `before`.
+/// `before`. `backwards`: they end nearer to the eye than they begin.
 ///
-/// The table's own arithmetic ([`PreIntegrated::segment`]), the exponential and all behind it for sixteen segments at a time. Opaque walls are left to the
-/// table.
+/// Off by 2·10⁻⁶ or less of [`PreIntegrated::segment`](vr_kernels::tables::PreIntegrated::segment): rounding alone, for the arithmetic is the same, sixteen
+/// segments at a time. A segment from or to vacuum has the opacity NaN, as vacuum has.
 #[inline(never)]
 pub(crate) fn integrate<S: Simd>(
     simd: S,
-    (table, brightest): (&PreIntegrated<f32>, Option<[f32; 3]>),
+    table: &SegmentTable,
     before: &Lanes,
     length: &[Lanes; CHUNK],
     backwards: bool,
     chunk: &mut Chunk,
 ) {
-    if table.has_walls() {
-        return walled(table, before, length, backwards, chunk);
-    }
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            let mut near = [TablePlace { row: 0, fraction: 0.0 }; LANES];
-            for i in 0..LANES {
-                near[i] = table.place(before.0[i]);
-            }
-            for j in 0..chunk.len {
-                let (mut mean, mut front, mut back) = ([Lanes::ZERO; 4], [Lanes::ZERO; 4], [Lanes::ZERO; 4]);
-                for i in 0..LANES {
-                    let far = table.place(chunk.value[j].0[i]);
-                    let (m, p, q) = (table.mean_between(near[i], far), table.at(near[i]), table.at(far));
-                    for c in 0..4 {
-                        (mean[c].0[i], front[c].0[i], back[c].0[i]) = (m[c], p[c], q[c]);
-                    }
-                    near[i] = far;
-                }
-                if backwards {
-                    (front, back) = (back, front);
-                }
-                let (zero, one, h) = (splat(simd, 0.0), splat(simd, 1.0), length[j].load(simd));
-                let kappa = mean[3].load(simd);
-                let tau = kappa * h;
-                let alpha = where_defined(simd, kappa, opacity_of_depth(simd, tau));
-                let weight = source_weight(simd, tau, alpha);
-                let (tau_a, tau_b) = (front[3].load(simd) * h, back[3].load(simd) * h);
-                let fade = one / (tau * (tau * 1.5 + 6.0) + 12.0);
-                let product = tau_a * tau_b;
-                let thin = product.simd_le(zero);
-                let moment = fade * pick(thin, one, tau * tau / pick(thin, one, product)).min(one);
-                for c in 0..3 {
-                    let turned = front[c].load(simd) * h * tau_b - back[c].load(simd) * h * tau_a;
-                    let mut light = (mean[c].load(simd) * h * weight + moment * turned).max(zero);
-                    if let Some(max) = brightest {
-                        light = light.min(alpha * max[c]);
-                    }
-                    chunk.light[j][c] = Lanes::new(light);
-                }
-                chunk.light[j][3] = Lanes::new(alpha);
-            }
-        },
-    );
-}
-
-/// One by one: segments may end at a wall.
-fn walled(table: &PreIntegrated<f32>, before: &Lanes, length: &[Lanes; CHUNK], backwards: bool, chunk: &mut Chunk) {
+    // Two at a time where the next is as long: they share the value between them. But not where one of two may end at a wall: how its neighbour is rounded would
+    // depend on that, and so on where chunks begin.
+    let pairs = !table.pre_integrated().has_walls();
     let mut near = *before;
-    for j in 0..chunk.len {
-        for i in 0..LANES {
-            let (mut front, mut back) = (near.0[i], chunk.value[j].0[i]);
-            if backwards {
-                (front, back) = (back, front);
-            }
-            let segment = table.segment(front, back, length[j].0[i]);
-            for c in 0..4 {
-                chunk.light[j][c].0[i] = segment[c];
+    let mut j = 0;
+    while j < chunk.len {
+        let next = if pairs && j + 1 < chunk.len && length[j].0 == length[j + 1].0 { j + 1 } else { j };
+        let mut ends = [near, chunk.value[j], chunk.value[next]];
+        near = ends[2];
+        if backwards {
+            ends.reverse();
+        }
+        let defined = ends.map(|end| end.0.map(|value| !value.is_nan()));
+        for value in ends.iter_mut().flat_map(|end| &mut end.0) {
+            // A table's values must be numbers.
+            *value = if value.is_nan() { 0.0 } else { *value };
+        }
+        let mut light = [[Lanes::ZERO; 4]; 2];
+        table.lines(simd, &ends, &length[j], u32::MAX, &mut light);
+        for (part, light) in light.iter_mut().enumerate() {
+            for i in (0..LANES).filter(|&i| !(defined[part][i] && defined[part + 1][i])) {
+                light[3].0[i] = f32::NAN;
             }
         }
-        near = chunk.value[j];
+        if backwards {
+            light.reverse();
+        }
+        chunk.light[next] = light[1];
+        chunk.light[j] = light[0];
+        j = next + 1;
     }
 }

@@ -60,8 +60,22 @@ impl<S: Simd> March<'_, S> {
             self.rays.turn();
         }
         self.outer(simd, 0);
-        self.whole(simd);
+        self.whole(simd, self.rays.begin);
         self.outer(simd, 1);
+    }
+
+    /// The whole samples of some rays, from these numbers to those before others. Rays that have none there have the end −∞, and rays that are done take none.
+    pub(super) fn stretch(&mut self, simd: S, from: Lanes, to: &Lanes) {
+        let end = self.rays.end;
+        let part = Lanes(std::array::from_fn(|i| to.0[i].min(end.0[i])));
+        self.rays.end = part;
+        self.whole(simd, from);
+        for i in 0..LANES {
+            let done = part.0[i] > f32::NEG_INFINITY && self.rays.end.0[i] == f32::NEG_INFINITY;
+            if !done {
+                self.rays.end.0[i] = end.0[i];
+            }
+        }
     }
 
     /// The first samples of all rays (0), or the last (1).
@@ -72,7 +86,7 @@ impl<S: Simd> March<'_, S> {
         self.chunk.len = 1;
         let which = SampleSet::Outer(end);
         self.texture.fetch(simd, self.rays, which, self.chunk);
-        if self.pass.on_faces && matches!(self.pass.classifier, Classifier::Segments { .. }) && end == 0 {
+        if self.pass.on_faces && matches!(self.pass.classifier, Classifier::Segments(_)) && end == 0 {
             // Nothing but where the first segment begins.
             self.before = self.chunk.value[0];
             return;
@@ -81,9 +95,9 @@ impl<S: Simd> March<'_, S> {
         self.draw(simd, which, &ratio);
     }
 
-    /// The samples of whole slabs.
-    fn whole(&mut self, simd: S) {
-        let mut number = self.rays.begin;
+    /// The samples of whole slabs, from numbers on.
+    fn whole(&mut self, simd: S, from: Lanes) {
+        let mut number = from;
         // So many samples are looked at together for whether anything can be visible in their blocks: more after each look that found nothing.
         let mut stride = CHUNK;
         loop {
@@ -95,7 +109,7 @@ impl<S: Simd> March<'_, S> {
             if let Some(samples) = self.invisible(simd, &number, len) {
                 self.done.skipped += samples;
                 stride = (2 * stride).min(FARTHEST);
-                if matches!(self.pass.classifier, Classifier::Segments { .. }) {
+                if matches!(self.pass.classifier, Classifier::Segments(_)) {
                     self.look_at_last(simd, &number, len);
                 }
             } else if stride > CHUNK {
@@ -141,7 +155,7 @@ impl<S: Simd> March<'_, S> {
         let pass = self.pass;
         let chunk = &mut *self.chunk;
         match pass.classifier {
-            Classifier::Segments { table, brightest } => {
+            Classifier::Segments(table) => {
                 let (rays, world) = (&*self.rays, pass.length);
                 let length = |j: usize, i: usize| match which {
                     SampleSet::From(number) if number.0[i] + j as f32 <= rays.begin.0[i] => {
@@ -151,7 +165,7 @@ impl<S: Simd> March<'_, S> {
                 };
                 let lengths = std::array::from_fn(|j| Lanes(std::array::from_fn(|i| length(j, i))));
                 let backwards = pass.operator == Operator::Over;
-                integrate(simd, (table, brightest), &self.before, &lengths, backwards, chunk);
+                integrate(simd, table, &self.before, &lengths, backwards, chunk);
                 if let Some(lit) = &self.lit {
                     self.texture.shade(simd, rays, which, true, lit, chunk);
                 }

@@ -1,6 +1,7 @@
 //! Stages of fragments: fetched from a texture, classified, blended.
 
 mod blend;
+mod brick_fetcher;
 mod bricks;
 mod chunk;
 mod classify;
@@ -9,6 +10,7 @@ mod picture;
 mod state;
 mod step;
 mod tiles;
+mod waiting;
 mod whole_slices;
 
 pub(crate) use bricks::Bricked;

@@ -56,7 +56,7 @@ impl<S: Simd> March<'_, S> {
         }
         if let Some(samples) = self.invisible(simd, &number, 1) {
             self.done.skipped += samples;
-            if matches!(self.pass.classifier, Classifier::Segments { .. }) {
+            if matches!(self.pass.classifier, Classifier::Segments(_)) {
                 self.look_at_last(simd, &number, 1);
             }
             return;

@@ -8,18 +8,16 @@ use glam::DVec2;
 use vr_core::image_order::in_parallel;
 use vr_core::parallel::locked;
 use vr_core::{Control, Counts, RenderError};
-use vr_kernels::vector::{LANES, Lanes, Operator, PacketLights, Vectorized, run};
+use vr_kernels::vector::{LANES, Lanes, Operator, Vectorized, run};
 
 use super::chunk::{Chunk, Fetch, Fetcher};
-use super::march::{March, PacketResult};
 use super::picture::Picture;
-use super::state::State;
 use super::step::Step;
 use super::tiles::{Packet, PacketScene, Pixel, sixteens};
-use crate::fragments::Fragments;
+use super::waiting::Waiting;
 use crate::geometry::polygon_spans;
 use crate::proxy::{ProxyGeometry, Slab};
-use crate::texture::{Lit, Texture};
+use crate::texture::Texture;
 
 /// Number of sixteens of pixels in a task.
 const GROUP: usize = 64;
@@ -56,8 +54,7 @@ pub(crate) fn draw_slices<X: Texture>(
             touched.iter().for_each(|&i| masks[i] = 0);
         }
         for waiting in held.into_iter().map(Mutex::into_inner) {
-            let Held { at, rays, state, done, .. } = waiting.unwrap_or_else(PoisonError::into_inner);
-            picture.add(scene, &at, &rays, &state, done);
+            waiting.unwrap_or_else(PoisonError::into_inner).waiting.finish(scene, &mut picture);
         }
     }
     Ok(picture.mean(n * n))
@@ -81,17 +78,11 @@ fn rasterize(proxy: &ProxyGeometry<'_>, slab: Slab, shift: DVec2, size: [u32; 2]
 
 /// Sixteen rays, between slabs.
 struct Held {
-    at: Packet,
-    rays: Fragments,
-    lights: PacketLights,
-    max_behind: Lanes,
-    state: State,
-    before: Lanes,
+    waiting: Waiting,
     /// Numbers of each ray's first slab and of its last, and of the one in the middle, from which samples are counted.
     slabs: [[f64; LANES]; 3],
     /// Bit i: along ray i a stack's index falls.
     falling: u32,
-    done: PacketResult,
 }
 
 struct SetUp<'a> {
@@ -105,35 +96,16 @@ impl Vectorized for SetUp<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Held {
-        let scene = self.scene;
-        let mut rays = Fragments::EMPTY;
-        self.at.set_up(simd, scene, self.sample, &mut rays);
-        let mut lights = PacketLights::default();
-        if let Some(shading) = scene.shading {
-            lights.look_along(&shading.lights, &rays.chords.along);
-        }
+        let waiting = Waiting::new(simd, self.scene, self.at, self.sample);
+        let rays = &waiting.rays;
         let (mut slabs, mut falling) = ([[0.0; LANES]; 3], 0);
         for i in (0..LANES).filter(|i| rays.hits >> i & 1 == 1) {
-            let of = scene.setup.slabs(&rays.chords, i);
+            let of = self.scene.setup.slabs(&rays.chords, i);
             [slabs[0][i], slabs[1][i], slabs[2][i]] = [of.first, of.last, of.middle()];
             let direction = rays.chords.direction.map(|axis| axis[i]);
-            falling |= u32::from(scene.setup.slices.fall_along(direction)) << i;
+            falling |= u32::from(self.scene.setup.slices.fall_along(direction)) << i;
         }
-        let max_behind = rays.max_behind(scene.max_radiance);
-        if scene.pass.operator == Operator::Over {
-            rays.turn();
-        }
-        Held {
-            at: self.at,
-            rays,
-            lights,
-            max_behind,
-            state: State::new(scene.pass.operator),
-            before: Lanes([f32::NAN; LANES]),
-            slabs,
-            falling,
-            done: PacketResult::default(),
-        }
+        Held { waiting, slabs, falling }
     }
 }
 
@@ -175,19 +147,7 @@ impl Held {
         if step.first | step.whole | step.last == 0 {
             return;
         }
-        let mut march = March {
-            texture,
-            pass: &scene.pass,
-            lit: scene.shading.map(|shading| Lit { shading, lights: &self.lights }),
-            max_behind: &self.max_behind,
-            chunk,
-            rays: &mut self.rays,
-            state: &mut self.state,
-            before: self.before,
-            done: self.done,
-        };
-        march.step(simd, &step);
-        (self.before, self.done) = (march.before, march.done);
+        self.waiting.march(scene, texture, chunk, |march| march.step(simd, &step));
     }
 
     /// The samples of a slab, on those of the pixels rasterised whose rays have a part of it, and have not ended.
@@ -196,7 +156,8 @@ impl Held {
         let backwards = *operator == Operator::Over;
         let [first, last, middle] = &self.slabs;
         for i in 0..LANES {
-            let live = rasterized & self.rays.hits & 1 << i != 0 && self.rays.end.0[i] > f32::NEG_INFINITY;
+            let rays = &self.waiting.rays;
+            let live = rasterized & rays.hits & 1 << i != 0 && rays.end.0[i] > f32::NEG_INFINITY;
             if !live || number < first[i] || number > last[i] {
                 continue;
             }

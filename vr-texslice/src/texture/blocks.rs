@@ -55,12 +55,24 @@ impl Texture for Blocks<'_> {
             let (cell, fraction) = (at.cell[a].to_array(), at.fraction[a].to_array());
             std::array::from_fn(|i| cell[i] as f32 + fraction[i])
         });
-        let mut gradient = [Lanes::ZERO; 3];
-        // False for NaN, which is vacuum.
-        for i in (0..LANES).filter(|&i| light[3].0[i] > 0.0) {
-            let found: [f32; 3] = self.0.gradient_at([at[0][i], at[1][i], at[2][i]]);
-            (0..3).for_each(|a| gradient[a].0[i] = found[a]);
-        }
-        Shade { shading: with.shading, lights: with.lights }.apply_to_gradients(simd, &gradient, light);
+        shade_by_gradients(simd, &at, with, light, |at| self.0.gradient_at(at));
     }
+}
+
+/// Shades light at places by gradients per index step, found one by one.
+#[inline(always)]
+pub(crate) fn shade_by_gradients<S: Simd>(
+    simd: S,
+    at: &[[f32; LANES]; 3],
+    with: &Lit<'_>,
+    light: &mut [Lanes; 4],
+    gradient_at: impl Fn([f32; 3]) -> [f32; 3],
+) {
+    let mut gradient = [Lanes::ZERO; 3];
+    // False for NaN, which is vacuum.
+    for i in (0..LANES).filter(|&i| light[3].0[i] > 0.0) {
+        let found = gradient_at([at[0][i], at[1][i], at[2][i]]);
+        (0..3).for_each(|a| gradient[a].0[i] = found[a]);
+    }
+    Shade { shading: with.shading, lights: with.lights }.apply_to_gradients(simd, &gradient, light);
 }

@@ -4,16 +4,17 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16};
 use vr_kernels::vector::{Cells, LANES, Lanes, transpose};
 
-use super::{Lit, Texture};
+use super::{Lit, Texture, TextureVisitor};
+use crate::classified::{LightTexels, Palette};
 
 /// Store of the light and opacity of texels.
-pub(crate) trait Texels: Sync {
+trait Texels: Sync {
     /// (r, g, b, α) of a texel.
     fn at(&self, texel: usize) -> [f32; 4];
 }
 
 /// Red, green, blue and opacity.
-pub(crate) struct Rgba<'a>(pub(crate) &'a [[f32; 4]]);
+struct Rgba<'a>(&'a [[f32; 4]]);
 
 impl Texels for Rgba<'_> {
     #[inline(always)]
@@ -23,7 +24,7 @@ impl Texels for Rgba<'_> {
 }
 
 /// Luminance and opacity.
-pub(crate) struct Luminance<'a>(pub(crate) &'a [[f32; 2]]);
+struct Luminance<'a>(&'a [[f32; 2]]);
 
 impl Texels for Luminance<'_> {
     #[inline(always)]
@@ -34,9 +35,9 @@ impl Texels for Luminance<'_> {
 }
 
 /// Indices into a palette.
-pub(crate) struct Indices<'a> {
-    pub(crate) texels: &'a [u8],
-    pub(crate) palette: &'a [[f32; 4]; 256],
+struct Indices<'a> {
+    texels: &'a [u8],
+    palette: &'a Palette,
 }
 
 impl Texels for Indices<'_> {
@@ -47,10 +48,10 @@ impl Texels for Indices<'_> {
 }
 
 /// Indices into a palette, and the light that each texel reflects.
-pub(crate) struct ShadedIndices<'a> {
-    pub(crate) colors: Indices<'a>,
+struct ShadedIndices<'a> {
+    colors: Indices<'a>,
     /// Factors on the three colours, and the three lights that are added to an opaque texel.
-    pub(crate) reflections: &'a [[f32; 6]],
+    reflections: &'a [[f32; 6]],
 }
 
 impl Texels for ShadedIndices<'_> {
@@ -62,10 +63,33 @@ impl Texels for ShadedIndices<'_> {
     }
 }
 
+/// Hands over a texture of light; the palette is that of indices.
+///
+/// # Panics
+/// Panics if there are indices, and no palette: a bug in the caller.
+pub(crate) fn visit_light<V: TextureVisitor>(
+    texels: &LightTexels,
+    palette: Option<&Palette>,
+    dims: [usize; 3],
+    visitor: V,
+) -> V::Output {
+    match texels {
+        LightTexels::Rgba(texels) => visitor.visit(Light { texels: Rgba(texels), dims }),
+        LightTexels::Luminance(texels) => visitor.visit(Light { texels: Luminance(texels), dims }),
+        LightTexels::Indices { indices, reflections } => {
+            let colors = Indices { texels: indices, palette: palette.expect("indices have a palette") };
+            match reflections {
+                None => visitor.visit(Light { texels: colors, dims }),
+                Some(reflections) => visitor.visit(Light { texels: ShadedIndices { colors, reflections }, dims }),
+            }
+        }
+    }
+}
+
 /// Light and opacity, linear along each axis.
-pub(crate) struct Light<X> {
-    pub(crate) texels: X,
-    pub(crate) dims: [usize; 3],
+struct Light<X> {
+    texels: X,
+    dims: [usize; 3],
 }
 
 /// The first of the eight texels around each of sixteen places.

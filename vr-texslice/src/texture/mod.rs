@@ -1,11 +1,13 @@
 //! Textures: what is fetched at a fragment, sixteen fragments at a time.
 
 mod blocks;
+mod brick;
 mod light;
 mod voxels;
 
-pub(crate) use blocks::Blocks;
-pub(crate) use light::{Indices, Light, Luminance, Rgba, ShadedIndices};
+pub(crate) use blocks::{Blocks, shade_by_gradients};
+pub(crate) use brick::{BrickPart, Decoded, InBrick};
+pub(crate) use light::visit_light;
 pub(crate) use voxels::{Relief, Voxels};
 
 use fearless_simd::{Simd, f32x16};
@@ -46,6 +48,13 @@ pub(crate) trait Texture: Sync {
 
     /// Shades light and opacity by the gradient at places. Textures that hold light are shaded when they are made.
     fn shade<S: Simd>(&self, simd: S, at: &Cells<S>, with: &Lit<'_>, light: &mut [Lanes; 4], stage: &mut Self::Stage);
+}
+
+/// Work on a texture of whatever type.
+pub(crate) trait TextureVisitor {
+    type Output;
+
+    fn visit<X: Texture>(self, texture: X) -> Self::Output;
 }
 
 /// Shading and lights of fragments.

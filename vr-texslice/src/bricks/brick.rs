@@ -1,0 +1,121 @@
+//! The texture of a brick: the part of a volume's texture in its cells.
+
+use vr_core::filter::Lattice;
+use vr_core::{AnyGrid, GridVolume, Scene, UniformGrid, with_grid};
+
+use super::lattice::Cells;
+use crate::classified::{LightTexels, Palette, TextureKey};
+use crate::compression::Compressed;
+use crate::region::Region;
+use crate::texture::{Decoded, Relief, TextureVisitor, Voxels, visit_light};
+use crate::texture_slicer::Format;
+
+/// Texels of a brick.
+pub(crate) enum Brick {
+    /// Values as they are stored; and, where gradients are taken from these, the same with missing ones filled in.
+    Values { grid: AnyGrid, filled: Option<Vec<f32>> },
+    /// Values decoded from compressed blocks, NaN where they are missing; and, for gradients, what the blocks hold there.
+    Decoded { values: Vec<f32>, filled: Option<Vec<f32>> },
+    /// Light and opacity, or indices into a palette.
+    Light(LightTexels),
+}
+
+/// Key of what bricks hold: those made for another are of no use.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BrickKey {
+    /// True if gradients are taken from them.
+    pub(crate) shaded: bool,
+    /// Key of texels of light; of indices into a palette without the length, which changes the palette alone.
+    pub(crate) light: Option<TextureKey>,
+}
+
+/// Source of bricks: the volume, and how a format has it.
+pub(crate) struct BrickSource<'a> {
+    pub(crate) format: Format,
+    pub(crate) scene: &'a Scene,
+    pub(crate) volume: &'a GridVolume,
+    pub(crate) compressed: Option<&'a Compressed>,
+    pub(crate) palette: Option<&'a Palette>,
+    pub(crate) key: BrickKey,
+}
+
+impl BrickSource<'_> {
+    /// Texels around a brick's own that it needs: central differences reach a voxel further.
+    pub(crate) fn apron(&self) -> usize {
+        usize::from(self.key.shaded)
+    }
+
+    /// The texels of a brick.
+    pub(crate) fn region(&self, cells: &Cells) -> Region {
+        Region::around(cells, self.apron(), self.volume.dims())
+    }
+
+    /// True if bricks hold a second set of values, for gradients beside missing voxels.
+    fn is_filled(&self) -> bool {
+        self.key.shaded && self.volume.vacuum_cells().is_some()
+    }
+
+    /// Bytes of a brick.
+    pub(crate) fn bytes(&self, region: &Region) -> u64 {
+        let texel = match (self.key.light, self.compressed) {
+            (Some(key), _) => LightTexels::texel_bytes(self.format, key.seen.is_some()),
+            (None, Some(_)) => size_of::<f32>() as u64,
+            (None, None) => self.volume.voxel_type().bytes() as u64,
+        };
+        let filled = if self.is_filled() { size_of::<f32>() as u64 } else { 0 };
+        region.count() as u64 * (texel + filled)
+    }
+
+    /// Makes the texture of a brick: copies, decodes or classifies its texels.
+    pub(crate) fn load(&self, region: &Region) -> Brick {
+        if let Some(key) = &self.key.light {
+            return Brick::Light(LightTexels::new(self.format, self.scene, self.volume, key, region));
+        }
+        if let Some(compressed) = self.compressed {
+            let filled = self.is_filled().then(|| compressed.decode(region));
+            return Brick::Decoded { values: compressed.decode_with_missing(region), filled };
+        }
+        let grid = with_grid!(self.volume.values(), g => {
+            let texels = region.copied(&Lattice { samples: g.samples(), dims: g.dims() });
+            let grid = UniformGrid::new(region.dims, texels, *g.placement(), g.calibration());
+            grid.expect("a brick has two texels along each axis").into()
+        });
+        let filled = self.volume.filled_floats().filter(|_| self.is_filled());
+        let filled = filled.map(|samples| region.copied(&Lattice { samples, dims: self.volume.dims() }));
+        Brick::Values { grid, filled }
+    }
+}
+
+impl Brick {
+    /// Bytes of its texels.
+    pub(crate) fn bytes(&self) -> u64 {
+        let floats = |filled: &Option<Vec<f32>>| filled.as_ref().map_or(0, |filled| size_of_val(&filled[..]));
+        match self {
+            Self::Values { grid, filled } => (with_grid!(grid, g => size_of_val(g.samples())) + floats(filled)) as u64,
+            Self::Decoded { values, filled } => (size_of_val(&values[..]) + floats(filled)) as u64,
+            Self::Light(texels) => texels.bytes(),
+        }
+    }
+
+    /// Hands over the texture of a region's texels.
+    pub(crate) fn with_texture<V: TextureVisitor>(
+        &self,
+        source: &BrickSource<'_>,
+        region: &Region,
+        visitor: V,
+    ) -> V::Output {
+        let dims = region.dims;
+        match self {
+            Self::Values { grid, filled } => with_grid!(grid, g => {
+                let relief = filled.as_ref().map(|samples| Relief::new(&Lattice { samples, dims }, [0, 1, 2]));
+                visitor.visit(Voxels::new(&Lattice { samples: g.samples(), dims }).with_relief(relief))
+            }),
+            Self::Decoded { values, filled } => {
+                let filled = Lattice { samples: filled.as_ref().unwrap_or(values), dims };
+                let whole = source.volume.dims();
+                visitor.visit(Decoded::new(&Lattice { samples: values, dims }, filled, region.first, whole))
+            }
+            Self::Light(texels) => visit_light(texels, source.palette, dims, visitor),
+        }
+    }
+}

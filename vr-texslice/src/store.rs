@@ -1,0 +1,282 @@
+//! The textures that a prepared renderer keeps from picture to picture: made when a view first needs them, within the budget.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use vr_core::filter::Lattice;
+use vr_core::{Control, Counts, GridVolume, RenderError, RenderStats, Scene, View, with_grid};
+use vr_kernels::vector::Operator;
+
+use crate::bricks::{BrickKey, BrickLattice, BrickSource, Pool};
+use crate::classified::{Classified, Palette, TextureKey, palette};
+use crate::compression::Compressed;
+use crate::draw::{Bricked, PacketScene, Pixel, draw_slices, draw_tiles};
+use crate::occupancy::FieldRanges;
+use crate::slices::Slices;
+use crate::texture::{Blocks, Relief, Texture, TextureVisitor, Voxels, visit_light};
+use crate::texture_slicer::{DrawOrder, Format, TextureSlicer};
+use crate::textures::{Stacks, axes_of_stack, hold};
+
+/// Textures, and what they were made for.
+#[derive(Default)]
+pub(crate) struct TextureStore {
+    stacks: Stacks,
+    /// A texture of light, and what it was made for; `None`: for a scene that has changed since.
+    classified: Option<(Option<TextureKey>, Classified)>,
+    compressed: Option<Arc<Compressed>>,
+    bricks: Option<Pool>,
+    /// The palette of bricks, and the length that it was made for; `None`: for a scene that has changed since.
+    palette: Option<(Option<f64>, Box<Palette>)>,
+}
+
+/// A picture to draw.
+pub(crate) struct Job<'a> {
+    pub(crate) scene: PacketScene<'a>,
+    pub(crate) order: DrawOrder,
+    pub(crate) control: &'a Control,
+}
+
+/// Pixels, row by row, and counts of the work.
+pub(crate) type Drawn = Result<(Vec<Pixel>, Counts), RenderError>;
+
+impl TextureVisitor for &Job<'_> {
+    type Output = Drawn;
+
+    fn visit<X: Texture>(self, texture: X) -> Drawn {
+        match self.order {
+            DrawOrder::Tiles => draw_tiles(&self.scene, &texture, self.control),
+            DrawOrder::Slices => draw_slices(&self.scene, &texture, self.control),
+        }
+    }
+}
+
+/// A view of a scene, as far as textures depend on it.
+#[derive(Clone, Copy)]
+pub(crate) struct Needs<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) volume: &'a GridVolume,
+    pub(crate) view: &'a View,
+    pub(crate) slices: &'a Slices,
+    /// True if fragments are shaded by gradients of values.
+    pub(crate) shaded: bool,
+}
+
+impl TextureStore {
+    /// The textures that are made before there is a view: compressed blocks.
+    ///
+    /// # Errors
+    /// [`RenderError::TooLarge`] where the budget does not hold them.
+    pub(crate) fn new(
+        renderer: &TextureSlicer,
+        volume: &GridVolume,
+        control: &Control,
+        stats: &mut RenderStats,
+    ) -> Result<Self, RenderError> {
+        let compressed = (renderer.format == Format::Compressed)
+            .then(|| stats.time("compress", || Arc::new(control.run(|| Compressed::new(volume)))));
+        if let Some(compressed) = &compressed {
+            hold("the compressed texture", compressed.bytes(), renderer.bytes())?;
+        }
+        Ok(Self { compressed, ..Self::default() })
+    }
+
+    /// The compressed texture, of the format that has one.
+    pub(crate) fn compressed(&self) -> Option<&Arc<Compressed>> {
+        self.compressed.as_ref()
+    }
+
+    /// Takes note of a scene that differs from the last one in its transfer function, or in its shading or lights.
+    pub(crate) fn forget(&mut self, transfer: bool, reflections: bool) {
+        if !transfer && !reflections {
+            return;
+        }
+        if let Some((made, texture)) = &mut self.classified {
+            *made = None;
+            if reflections {
+                texture.forget_reflections();
+            }
+        }
+        if let Some((made, _)) = &mut self.palette {
+            *made = None;
+        }
+        // Indices outlive a transfer function; values, which have no key of light, outlive everything.
+        let indices = self.palette.is_some() && !reflections;
+        self.bricks = self.bricks.take().filter(|pool| pool.key.light.is_none() || indices);
+    }
+
+    /// Makes what a view needs, unless it is there.
+    ///
+    /// # Errors
+    /// [`RenderError::TooLarge`] where the budget does not hold it.
+    pub(crate) fn make(
+        &mut self,
+        renderer: &TextureSlicer,
+        needs: &Needs<'_>,
+        control: &Control,
+        stats: &mut RenderStats,
+    ) -> Result<(), RenderError> {
+        let (volume, limit) = (needs.volume, renderer.bytes());
+        if renderer.brick.is_some() {
+            return self.make_pool(renderer, needs, stats);
+        }
+        let bytes = volume.sample_bytes() as u64;
+        match needs.slices.axis() {
+            Some(axis) => time_if_made(stats, "stack", || self.stacks.make(renderer, volume, axis))?,
+            None if renderer.holds_light() => self.classify(renderer, needs, control, stats)?,
+            None if self.compressed.is_some() => {}
+            None => hold("the volume's texture", bytes, limit)?,
+        }
+        if needs.shaded && volume.vacuum_cells().is_some() && self.compressed.is_none() {
+            hold("a volume's texture and that of its gradients", 2 * bytes, limit)?;
+        }
+        Ok(())
+    }
+
+    /// Makes the texture of light for a view, unless there is one that serves.
+    fn classify(
+        &mut self,
+        renderer: &TextureSlicer,
+        needs: &Needs<'_>,
+        control: &Control,
+        stats: &mut RenderStats,
+    ) -> Result<(), RenderError> {
+        let Needs { scene, volume, .. } = *needs;
+        let format = renderer.format;
+        let shaded = scene.reflection().is_some();
+        hold("the texture of light", Classified::bytes(format, volume, shaded), renderer.bytes())?;
+        let made = TextureKey::new(scene, needs.view, needs.slices)?;
+        if matches!(&self.classified, Some((of, _)) if *of == Some(made)) {
+            return Ok(());
+        }
+        if let Some((of, texture)) = &mut self.classified {
+            let start = Instant::now();
+            if let Some(reflects) = control.run(|| texture.recolor(scene, volume, &made)) {
+                stats.stages.push((if reflects { "reflect" } else { "palette" }, start.elapsed()));
+                *of = Some(made);
+                return Ok(());
+            }
+        }
+        // The old one goes first: there may be no room for both.
+        self.classified = None;
+        let new = || control.run(|| Classified::new(format, scene, volume, &made));
+        self.classified = Some((Some(made), stats.time("classify", new)));
+        Ok(())
+    }
+
+    /// Makes the pool of bricks for a view, unless there is one whose bricks serve; and their palette.
+    fn make_pool(
+        &mut self,
+        renderer: &TextureSlicer,
+        needs: &Needs<'_>,
+        stats: &mut RenderStats,
+    ) -> Result<(), RenderError> {
+        let Needs { scene, volume, .. } = *needs;
+        let light = renderer.holds_light().then(|| TextureKey::new(scene, needs.view, needs.slices)).transpose()?;
+        let mut key = BrickKey { shaded: needs.shaded, light };
+        if let (Format::Paletted, Some(light)) = (renderer.format, &mut key.light) {
+            let length = std::mem::take(&mut light.length);
+            if self.palette.as_ref().is_none_or(|(made, _)| *made != Some(length)) {
+                let new = stats.time("palette", || palette(renderer.format, scene, volume, length));
+                self.palette = new.map(|palette| (Some(length), palette));
+            }
+        }
+        if self.bricks.as_ref().is_none_or(|pool| pool.key != key) {
+            let blocks = self.compressed.as_ref().map_or(0, |compressed| compressed.bytes());
+            self.bricks = Some(Pool::new(key, blocks, renderer.bytes()));
+        }
+        Ok(())
+    }
+
+    /// Draws a picture through the textures made for its view. `visible` is true if a field between two stored numbers can be visible.
+    pub(crate) fn draw(
+        &mut self,
+        job: &Job<'_>,
+        renderer: &TextureSlicer,
+        needs: &Needs<'_>,
+        visible: impl Fn(f32, f32) -> bool + Sync,
+        stats: &mut RenderStats,
+    ) -> Drawn {
+        let Some(edge) = renderer.brick else { return stats.time("draw", || self.draw_whole(job, renderer, needs)) };
+        let drawn = stats.time("draw", || self.draw_bricks(job, renderer, needs, edge as usize, visible));
+        if let Some(time) = self.bricks.as_mut().and_then(Pool::take_time) {
+            stats.stages.push(("brick", time));
+        }
+        drawn
+    }
+
+    /// Draws the volume brick by brick.
+    fn draw_bricks(
+        &mut self,
+        job: &Job<'_>,
+        renderer: &TextureSlicer,
+        needs: &Needs<'_>,
+        edge: usize,
+        visible: impl Fn(f32, f32) -> bool + Sync,
+    ) -> Drawn {
+        let volume = needs.volume;
+        let lattice = BrickLattice::new(volume.dims(), edge);
+        let mut order = lattice.front_to_back(job.scene.view, volume.placement())?;
+        if job.scene.pass.operator == Operator::Over {
+            order.reverse();
+        }
+        let ranges = FieldRanges::new(volume, self.compressed.as_deref(), edge);
+        let shows = |[x, y, z]: [[usize; 2]; 3]| {
+            (z[0]..=z[1])
+                .flat_map(|z| (y[0]..=y[1]).flat_map(move |y| (x[0]..=x[1]).map(move |x| [x, y, z])))
+                .any(|brick| ranges.shows(brick, &visible))
+        };
+        let pool = self.bricks.as_mut().expect("made for the view");
+        let source = BrickSource {
+            format: renderer.format,
+            scene: needs.scene,
+            volume,
+            compressed: self.compressed.as_deref(),
+            palette: self.palette.as_ref().map(|(_, palette)| &**palette),
+            key: pool.key,
+        };
+        Bricked { scene: &job.scene, source, lattice, order: &order, shows: &shows }.draw(pool, job.control)
+    }
+
+    /// Draws through one texture, whichever it is.
+    fn draw_whole(&self, job: &Job<'_>, renderer: &TextureSlicer, needs: &Needs<'_>) -> Drawn {
+        let volume = needs.volume;
+        let dims = volume.dims();
+        let relief = |axes: [usize; 3]| {
+            let samples = volume.filled_floats().filter(|_| needs.shaded && volume.vacuum_cells().is_some());
+            samples.map(|samples| Relief::new(&Lattice { samples, dims }, axes))
+        };
+        if let Some(axis) = needs.slices.axis() {
+            return with_grid!(self.stacks.of(volume, axis), g => {
+                let lattice = Lattice { samples: g.samples(), dims: g.dims() };
+                // A point is looked for between slices, too: where a ray enters and leaves, both have their share.
+                let texture = match job.scene.pass.operator {
+                    Operator::First { .. } => Voxels::new(&lattice),
+                    _ => Voxels::stack(&lattice, renderer.per_layer()),
+                };
+                job.visit(texture.with_relief(relief(axes_of_stack(axis))))
+            });
+        }
+        if let Some(compressed) = &self.compressed {
+            return job.visit(Blocks(compressed));
+        }
+        if let Some((_, Classified { texels, palette, .. })) = &self.classified {
+            return visit_light(texels, palette.as_deref(), dims, job);
+        }
+        with_grid!(volume.values(), g => {
+            job.visit(Voxels::new(&Lattice { samples: g.samples(), dims: g.dims() }).with_relief(relief([0, 1, 2])))
+        })
+    }
+}
+
+/// Does work that tells if anything had to be made; only then it is a stage.
+pub(crate) fn time_if_made(
+    stats: &mut RenderStats,
+    stage: &'static str,
+    work: impl FnOnce() -> Result<bool, RenderError>,
+) -> Result<(), RenderError> {
+    let start = Instant::now();
+    if work()? {
+        stats.stages.push((stage, start.elapsed()));
+    }
+    Ok(())
+}

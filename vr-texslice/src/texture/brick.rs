@@ -1,0 +1,173 @@
+//! A texture of a brick's own texels, as fragments of the whole volume see it.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
+use vr_core::filter::Lattice;
+use vr_kernels::vector::{Cells, Field, LANES, Lanes, Stage, cells, inside, pick, splat};
+
+use super::{Lit, Texture, shade_by_gradients};
+use crate::compression::gradient_of_texels;
+
+/// Cells of a brick in its volume, and where its texels begin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BrickPart {
+    /// Texels of the volume along each axis.
+    dims: [usize; 3],
+    /// First cell and last.
+    cells: [[i32; 2]; 3],
+    /// Index of its first texel in the volume.
+    first: [i32; 3],
+}
+
+/// Part of a cell by which rounding may put a sample before the one ahead of it.
+const SLACK: f32 = 1e-3;
+
+impl BrickPart {
+    /// The part of a volume of these dimensions between the first of the cells and the one behind the last, with texels from an index on.
+    pub(crate) fn new(dims: [usize; 3], cells: &[[usize; 2]; 3], first: [usize; 3]) -> Self {
+        Self {
+            dims,
+            cells: cells.map(|[first, behind]| [first as i32, behind as i32 - 1]),
+            first: first.map(|n| n as i32),
+        }
+    }
+
+    /// True for positions in the brick's cells.
+    #[inline(always)]
+    pub(crate) fn holds<S: Simd>(&self, simd: S, position: [f32x16<S>; 3]) -> mask32x16<S> {
+        let still = splat(simd, 0.0);
+        self.holds_ahead(simd, position, [still; 3])
+    }
+
+    /// True for positions in the brick's cells, and just before them on rays that go on by so much from sample to sample: in the bricks before, there is
+    /// nothing of such a ray any more but what rounding has put back.
+    #[inline(always)]
+    pub(crate) fn holds_ahead<S: Simd>(
+        &self,
+        simd: S,
+        [x, y, z]: [f32x16<S>; 3],
+        heading: [f32x16<S>; 3],
+    ) -> mask32x16<S> {
+        self.holds_along(simd, 0, x, heading[0])
+            & self.holds_along(simd, 1, y, heading[1])
+            & self.holds_along(simd, 2, z, heading[2])
+    }
+
+    #[inline(always)]
+    fn holds_along<S: Simd>(&self, simd: S, axis: usize, at: f32x16<S>, heading: f32x16<S>) -> mask32x16<S> {
+        let (zero, slack) = (splat(simd, 0.0), splat(simd, SLACK));
+        let [first, last] = self.cells[axis];
+        let at = inside(simd, at, (self.dims[axis] - 1) as f32);
+        // What lies on the volume's upper face lies in its last cells.
+        let behind = if last as usize + 2 == self.dims[axis] { f32::INFINITY } else { (last + 1) as f32 };
+        let low = splat(simd, first as f32) - pick(heading.simd_gt(zero), slack, zero);
+        let high = splat(simd, behind) + pick(heading.simd_lt(zero), slack, zero);
+        at.simd_ge(low) & at.simd_lt(high)
+    }
+
+    /// Places among the brick's texels; of positions elsewhere, that on its faces which is nearest.
+    #[inline(always)]
+    fn place<S: Simd>(&self, simd: S, position: [f32x16<S>; 3]) -> Cells<S> {
+        let mut at = position;
+        for a in 0..3 {
+            let [first, last] = self.cells[a];
+            at[a] = at[a].max(splat(simd, first as f32)).min(splat(simd, (last + 1) as f32));
+        }
+        let mut at = cells(simd, at, self.cells.map(|[_, last]| last));
+        for a in 0..3 {
+            at.cell[a] -= i32x16::splat(simd, self.first[a]);
+        }
+        at
+    }
+}
+
+/// A brick's texture: positions are the volume's. Cells and the fractions in them are found as in the volume, so what is fetched and interpolated has the same bits.
+pub(crate) struct InBrick<X> {
+    pub(crate) texture: X,
+    pub(crate) part: BrickPart,
+}
+
+impl<X: Texture> Texture for InBrick<X> {
+    type Stage = X::Stage;
+    const LIGHT: bool = X::LIGHT;
+
+    fn dims(&self) -> [usize; 3] {
+        self.part.dims
+    }
+
+    #[inline(always)]
+    fn place<S: Simd>(&self, simd: S, position: [f32x16<S>; 3]) -> Cells<S> {
+        self.part.place(simd, position)
+    }
+
+    #[inline(always)]
+    fn fetch<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Self::Stage) {
+        self.texture.fetch(simd, at, stage);
+    }
+
+    #[inline(always)]
+    fn read<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Self::Stage) -> [f32x16<S>; 4] {
+        self.texture.read(simd, at, stage)
+    }
+
+    #[inline(always)]
+    fn shade<S: Simd>(&self, simd: S, at: &Cells<S>, with: &Lit<'_>, light: &mut [Lanes; 4], stage: &mut Self::Stage) {
+        self.texture.shade(simd, at, with, light, stage);
+    }
+}
+
+/// Values of a brick decoded from compressed blocks, shaded as the blocks themselves are.
+pub(crate) struct Decoded<'a> {
+    field: Field<'a, f32>,
+    /// Values that gradients are taken from.
+    filled: Lattice<'a, f32>,
+    /// Index of the first of them in the volume, and the volume's own dimensions.
+    first: [usize; 3],
+    whole: [usize; 3],
+}
+
+impl<'a> Decoded<'a> {
+    /// Values, and what gradients are taken from: both begin at an index of a volume of these dimensions.
+    pub(crate) fn new(
+        values: &Lattice<'a, f32>,
+        filled: Lattice<'a, f32>,
+        first: [usize; 3],
+        whole: [usize; 3],
+    ) -> Self {
+        Self { field: Field::new(values), filled, first, whole }
+    }
+}
+
+impl Texture for Decoded<'_> {
+    type Stage = Stage<f32>;
+    const LIGHT: bool = false;
+
+    fn dims(&self) -> [usize; 3] {
+        self.filled.dims
+    }
+
+    #[inline(always)]
+    fn fetch<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Stage<f32>) {
+        self.field.fetch(simd, at, stage);
+    }
+
+    #[inline(always)]
+    fn read<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Stage<f32>) -> [f32x16<S>; 4] {
+        [self.field.value(simd, at, stage); 4]
+    }
+
+    #[inline(always)]
+    fn shade<S: Simd>(&self, simd: S, at: &Cells<S>, with: &Lit<'_>, light: &mut [Lanes; 4], _: &mut Stage<f32>) {
+        // In the volume's own positions: rounding is the same then.
+        let at: [[f32; LANES]; 3] = std::array::from_fn(|a| {
+            let (cell, fraction) = (at.cell[a].to_array(), at.fraction[a].to_array());
+            std::array::from_fn(|i| (cell[i] + self.first[a] as i32) as f32 + fraction[i])
+        });
+        // A position rounded up to the next cell does not count what lies beyond the brick's texels, but asks for it.
+        let texel = |index: [usize; 3]| {
+            let [x, y, z] = std::array::from_fn(|a| (index[a] - self.first[a]).min(self.filled.dims[a] - 1));
+            self.filled.at(x, y, z)
+        };
+        shade_by_gradients(simd, &at, with, light, |at| gradient_of_texels(self.whole, at, texel));
+    }
+}
