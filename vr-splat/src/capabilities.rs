@@ -7,8 +7,9 @@ use vr_core::{
 };
 use vr_kernels::tables::beyond_f32;
 
+use crate::ghosts::BEYOND;
 use crate::input::SplatInput;
-use crate::kernel::SplatKernel;
+use crate::kernel::{Shape, SplatKernel};
 use crate::splatter::{Buffers, CompositingOrder, Splatter};
 
 pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderError {
@@ -30,15 +31,12 @@ pub(crate) fn check(renderer: &Splatter, scene: &Scene) -> Result<SplatInput, Re
     };
     // A grid's filter, precision and size.
     if let SplatInput::Grid(grid) = &input {
-        if grid.filter() != Filter::Trilinear {
-            let feature = format!("the filter '{}': the option 'kernel' says how voxels are spread", grid.filter());
-            return Err(unsupported(Feature::Filter, feature));
-        }
+        check_filter(renderer, grid.filter())?;
         if let Some(feature) = beyond_f32(grid, &scene.transfer) {
             return Err(unsupported(Feature::Precision, feature));
         }
-        if grid.dims().iter().any(|&n| n > usize::from(u16::MAX)) {
-            return Err(unsupported(Feature::Size, "grids of more than 65535 voxels along an axis"));
+        if grid.dims().iter().any(|&n| n + 2 * BEYOND > usize::from(u16::MAX)) {
+            return Err(unsupported(Feature::Size, "grids of more than 65533 voxels along an axis"));
         }
     }
     // Settings that scattered points do not have.
@@ -67,32 +65,77 @@ pub(crate) fn check(renderer: &Splatter, scene: &Scene) -> Result<SplatInput, Re
             format!("a termination under '{}': no opacity is gathered", scene.compositing.name()),
         ));
     }
-    let values_in_image_sheets = renderer.buffers == Buffers::Image && renderer.classification == Classification::Post;
     match scene.compositing {
-        picks if !picks.integrates_light() && !values_in_image_sheets => Err(unsupported(
-            Feature::Compositing,
-            format!("compositing '{}' but of values in sheets parallel to the image", picks.name()),
-        )),
-        _ => Ok(input),
+        picks if !picks.integrates_light() => check_picks(renderer, picks, &input)?,
+        _ => {}
     }
+    Ok(input)
 }
 
-fn check_shading(renderer: &Splatter, scene: &Scene, input: &SplatInput) -> Result<(), RenderError> {
-    if scene.has_gradient_opacity() {
-        return Err(unsupported(Feature::GradientOpacity, "opacity that follows the gradient"));
-    }
-    let Some(shading) = scene.reflection() else { return Ok(()) };
-    let SplatInput::Grid(grid) = input else {
-        return Err(unsupported(Feature::Shading, "shading of scattered points"));
+/// Checks that a kernel is the grid's filter, or the filter the default.
+fn check_filter(renderer: &Splatter, filter: Filter) -> Result<(), RenderError> {
+    let why = if filter == Filter::Trilinear {
+        return Ok(());
+    } else if renderer.kernel != SplatKernel::default() {
+        "beside a kernel of the renderer's: a voxel is spread by one of them"
+    } else if filter == Filter::BSpline && (renderer.buffers != Buffers::Image || renderer.splats_light()) {
+        "but of values in sheets parallel to the image: its coefficients, which may lie beyond all voxels, are a field only all together"
+    } else {
+        return Ok(());
     };
-    if renderer.splats_light() {
-        return Err(unsupported(Feature::Shading, "shading of what is classified before it is splatted"));
-    }
-    if shading.gradient == GradientMethod::Analytic {
-        return Err(unsupported(
-            Feature::AnalyticGradients,
-            "analytic gradients: those at the voxels are interpolated",
-        ));
+    Err(unsupported(Feature::Filter, format!("the filter '{filter}' {why}")))
+}
+
+/// Checks that there are values to pick from.
+fn check_picks(renderer: &Splatter, operator: Compositing, input: &SplatInput) -> Result<(), RenderError> {
+    let why = match input {
+        // A sample on its own has its value, whenever it is classified.
+        SplatInput::Grid(_)
+            if renderer.classification == Classification::Post || renderer.buffers == Buffers::Samples =>
+        {
+            return Ok(());
+        }
+        SplatInput::Points(_)
+            if renderer.buffers == Buffers::Image && renderer.classification == Classification::Post =>
+        {
+            return Ok(());
+        }
+        SplatInput::Grid(_) => "of voxels that are classified before they are splatted: light has no value to compare",
+        SplatInput::Points(_) => "of scattered points but of values in sheets parallel to the image",
+    };
+    Err(unsupported(Feature::Compositing, format!("compositing '{}' {why}", operator.name())))
+}
+
+/// Checks that there are gradients where the scene's light depends on them.
+fn check_shading(renderer: &Splatter, scene: &Scene, input: &SplatInput) -> Result<(), RenderError> {
+    let SplatInput::Grid(grid) = input else {
+        if scene.has_gradient_opacity() {
+            return Err(unsupported(
+                Feature::GradientOpacity,
+                "opacity that follows the gradient, of scattered points",
+            ));
+        }
+        let shaded = scene.reflection().map(|_| unsupported(Feature::Shading, "shading of scattered points"));
+        return shaded.map_or(Ok(()), Err);
+    };
+    let integrates = scene.compositing.integrates_light();
+    let Some(shading) =
+        scene.gradient_shading().filter(|_| scene.reflection().is_some() || scene.has_gradient_opacity())
+    else {
+        return Ok(());
+    };
+    if shading.gradient == GradientMethod::Analytic && integrates {
+        let kinks = matches!(renderer.spreading(input).kernel.shape, Shape::Bilinear | Shape::Cone);
+        let why = if renderer.splats_light() && kinks {
+            "of voxels classified on their own: their kernel has a kink at every voxel, and no slope there"
+        } else if renderer.buffers == Buffers::Axis && !renderer.splats_light() {
+            "in the volume's own sheets: each is an integral along the ray, and has no slope across its layer"
+        } else {
+            ""
+        };
+        if !why.is_empty() {
+            return Err(unsupported(Feature::AnalyticGradients, format!("analytic gradients {why}")));
+        }
     }
     if grid.dims().iter().product::<usize>() > i32::MAX as usize {
         return Err(unsupported(Feature::Size, "shading of 2³¹ voxels and more"));

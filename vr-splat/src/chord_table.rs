@@ -1,9 +1,9 @@
-//! Courses of a radially symmetric kernel along chords, as polynomials.
+//! Courses of a radially symmetric kernel along chords: polynomials, and of a cone the closed form.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16, i32x16};
 use vr_core::PointKernel;
-use vr_kernels::vector::{LANES, pick, splat, transpose};
+use vr_kernels::vector::{LANES, ln, pick, splat, transpose};
 
 use crate::kernel::{Radial, quadrature};
 
@@ -13,35 +13,55 @@ const ACROSS: usize = 512;
 const TERMS: usize = 8;
 
 /// G(b, u) = ∫ W from the middle of a chord to the part u in [−1, 1] of its half, over the distance b of the chord from the kernel's middle: a polynomial
-/// in u, its coefficients linear in b.
+/// in u, its coefficients linear in b; of a cone the integral itself.
 ///
 /// A splat's chord is looked up once, and sections of it in any number of sheets cost a polynomial each; sections next to each other are differences of
 /// the same function, and sum to the whole. Rows of 16 KB stay in the nearest cache.
 pub(crate) struct ChordTable {
-    /// Rows, one for each b, and two rows of zeros for b = 1.
+    /// Rows, one for each b, and two rows of zeros for b = 1; none of a cone.
     rows: Vec<[f32; TERMS]>,
-    /// True for the cubic spline, whose third derivative jumps at half its radius: its rows hold a polynomial in |u|, and last the factor of the jump's term.
-    bends: bool,
+    form: Form,
 }
 
+/// Forms of courses.
+#[derive(Clone, Copy)]
+enum Form {
+    /// A polynomial in u.
+    Smooth,
+    /// Of the cubic spline, whose third derivative jumps at half its radius: rows hold a polynomial in |u|, and last the factor of the jump's term.
+    Bending,
+    /// Of a cone with so much at its tip, whose kink no polynomial is near to: in closed form.
+    Cone(f32),
+}
+
+/// Largest error of a polynomial, by the largest integral: what the table of sections leaves.
+const MAX_ERROR: f64 = 2e-5;
+
 impl ChordTable {
-    /// The table of a kernel; `None` for a cone, whose kink no polynomial is near to.
+    /// The table of a kernel; `None` for a Gaussian so narrow that no polynomial is near to it.
     pub(crate) fn new(radial: &Radial) -> Option<Self> {
-        let bends = match radial.point()? {
-            PointKernel::CubicSpline => true,
-            PointKernel::Gaussian => false,
-            PointKernel::Cone => return None,
+        let form = match radial.point() {
+            Some(PointKernel::CubicSpline) => Form::Bending,
+            Some(PointKernel::Gaussian) => Form::Smooth,
+            _ if radial.is_cone() => return Some(Self { rows: Vec::new(), form: Form::Cone(radial.at(0.0) as f32) }),
+            _ if is_smooth(radial) => Form::Smooth,
+            _ => return None,
         };
         let row = |i: usize| {
             let b = i as f64 / ACROSS as f64;
-            if bends { bending_row(radial, b) } else { smooth_row(radial, b) }.map(|x| x as f32)
+            if let Form::Bending = form { bending_row(radial, b) } else { smooth_row(radial, b) }.map(|x| x as f32)
         };
-        Some(Self { rows: (0..ACROSS).map(row).chain([[0.0; TERMS]; 2]).collect(), bends })
+        Some(Self { rows: (0..ACROSS).map(row).chain([[0.0; TERMS]; 2]).collect(), form })
     }
 
     /// The polynomials of chords at these distances from the middle, b in [0, 1].
     #[inline(always)]
     pub(crate) fn at<S: Simd>(&self, simd: S, b: f32x16<S>) -> ChordCourse<S> {
+        if let Form::Cone(peak) = self.form {
+            let (one, b) = (splat(simd, 1.0), b.max(splat(simd, 1e-6)));
+            let half = ((one - b) * (one + b)).max(splat(simd, 0.0)).sqrt();
+            return ChordCourse::Cone { half, square: b * b, ln: ln(simd, b), peak };
+        }
         let across = b * ACROSS as f32;
         let column: i32x16<S> = across.to_int();
         let t = across - column.to_float::<f32x16<S>>();
@@ -62,8 +82,8 @@ impl ChordTable {
             terms[k] = low[k] + t * (next_low[k] - low[k]);
             terms[k + 4] = mid[k] + t * (next_mid[k] - mid[k]);
         }
-        if !self.bends {
-            return ChordCourse { terms, bend: None };
+        if let Form::Smooth = self.form {
+            return ChordCourse::Smooth(terms);
         }
         // Where the chord is half a radius from the middle: u² = (¼ − b²) / (1 − b²).
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
@@ -71,34 +91,54 @@ impl ChordTable {
         let inner = (splat(simd, 0.25) - b * b).max(zero);
         let at = (inner / pick(square.simd_gt(zero), square, one)).sqrt();
         let whole = terms[TERMS - 1] * (at * at) * (at * at);
-        ChordCourse { terms, bend: Some([at, whole]) }
+        ChordCourse::Bending { terms, at, whole }
     }
 }
 
-/// Polynomials of sixteen chords.
-pub(crate) struct ChordCourse<S: Simd> {
-    terms: [f32x16<S>; TERMS],
-    /// For the cubic spline: the place u of the jump in its third derivative, and the constant that the jump adds beyond it.
-    bend: Option<[f32x16<S>; 2]>,
+/// Courses of sixteen chords.
+pub(crate) enum ChordCourse<S: Simd> {
+    Smooth([f32x16<S>; TERMS]),
+    /// Of the cubic spline: the place u of the jump in its third derivative, and the constant that the jump adds beyond it.
+    Bending {
+        terms: [f32x16<S>; TERMS],
+        at: f32x16<S>,
+        whole: f32x16<S>,
+    },
+    /// Of a cone: half the chord, b², ln b, and the kernel at its tip.
+    Cone {
+        half: f32x16<S>,
+        square: f32x16<S>,
+        ln: f32x16<S>,
+        peak: f32,
+    },
 }
 
 impl<S: Simd> ChordCourse<S> {
     /// G at u in [−1, 1].
     #[inline(always)]
     pub(crate) fn up_to(&self, simd: S, u: f32x16<S>) -> f32x16<S> {
-        let [a, b, c, d, e, f, g, h] = self.terms;
-        // In two halves, which do not wait for each other.
-        let Some([at, whole]) = self.bend else {
-            let x = u * u;
-            let square = x * x;
-            return u * (a + x * (b + x * (c + x * d)) + square * square * (e + x * (f + x * (g + x * h))));
+        let size = match *self {
+            // In two halves, which do not wait for each other.
+            Self::Smooth([a, b, c, d, e, f, g, h]) => {
+                let x = u * u;
+                let square = x * x;
+                return u * (a + x * (b + x * (c + x * d)) + square * square * (e + x * (f + x * (g + x * h))));
+            }
+            Self::Bending { terms: [a, b, c, d, e, f, g, h], at, whole } => {
+                let x = u.abs();
+                let square = x * x;
+                let smooth = x * (a + x * (b + x * (c + x * d)) + square * square * (e + x * (f + x * g)));
+                let rest = (at - x).max(splat(simd, 0.0));
+                let rest = rest * rest;
+                smooth - (whole - h * rest * rest)
+            }
+            // ∫ 1 − √(b² + s²) ds = s − ½ (s r + b² ln((s + r) / b)), r = √(b² + s²).
+            Self::Cone { half, square, ln: of_b, peak } => {
+                let s = u.abs() * half;
+                let r = (square + s * s).sqrt();
+                (s - (s * r + square * (ln(simd, s + r) - of_b)) * 0.5) * peak
+            }
         };
-        let x = u.abs();
-        let square = x * x;
-        let smooth = x * (a + x * (b + x * (c + x * d)) + square * square * (e + x * (f + x * g)));
-        let rest = (at - x).max(splat(simd, 0.0));
-        let rest = rest * rest;
-        let size = smooth - (whole - h * rest * rest);
         pick(u.simd_lt(splat(simd, 0.0)), -size, size)
     }
 }
@@ -106,6 +146,20 @@ impl<S: Simd> ChordCourse<S> {
 /// Chebyshev's nodes in [0, 1], ascending, which lie closest where a function may bend: at both ends.
 fn nodes<const N: usize>() -> [f64; N] {
     std::array::from_fn(|j| 0.5 - 0.5 * libm::cos(std::f64::consts::PI * (j as f64 + 0.5) / N as f64))
+}
+
+/// True if polynomials in u² are near enough to a kernel along every chord.
+fn is_smooth(radial: &Radial) -> bool {
+    let largest = radial.along_line(0.0, 1.0);
+    (0..8).all(|i| {
+        let b = f64::from(i) / 8.0;
+        let (row, half) = (smooth_row(radial, b), ((1.0 - b) * (1.0 + b)).sqrt());
+        (1..=16).all(|k| {
+            let u = f64::from(k) / 16.0;
+            let sum = row.iter().rev().fold(0.0, |sum, term| sum * u * u + term) * u;
+            (sum - radial.along_line(b, u * half)).abs() < MAX_ERROR * largest
+        })
+    })
 }
 
 /// ∫ of the polynomial in u² through the kernel's values: coefficients of u, u³, …
@@ -174,8 +228,11 @@ mod tests {
 
     #[test]
     fn polynomials_are_what_quadrature_gives() {
-        for kernel in [PointKernel::CubicSpline, PointKernel::Gaussian] {
-            let Profile::Radial(radial) = Profile::point(kernel) else { unreachable!("all of these are") };
+        let points = PointKernel::ALL.map(|kernel| (kernel.to_string(), Profile::point(kernel)));
+        let voxels = [("voxels' Gaussian", Profile::gaussian(2.0 / 0.7)), ("voxels' cone", Profile::cone())];
+        let voxels = voxels.map(|(name, profile)| (name.to_owned(), profile));
+        for (kernel, profile) in points.into_iter().chain(voxels) {
+            let Profile::Radial(radial) = profile else { unreachable!("all of these are") };
             let table = ChordTable::new(&radial).expect("one of those");
             let peak = 2.0 * radial.along_line(0.0, 1.0);
             let mut worst = 0.0f64;
@@ -191,5 +248,14 @@ mod tests {
             // The bound of the table of sections is 5·10⁻⁵.
             assert!(worst < 3e-5 * peak, "{kernel}: {worst:e} of {peak}");
         }
+    }
+
+    #[test]
+    fn a_narrow_gaussian_is_no_polynomial() {
+        let table = |deviations| {
+            let Profile::Radial(radial) = Profile::gaussian(deviations) else { unreachable!("it is") };
+            ChordTable::new(&radial)
+        };
+        assert!(table(2.0).is_some() && table(3.0).is_some() && table(6.0).is_none());
     }
 }

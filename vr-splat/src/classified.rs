@@ -6,6 +6,7 @@ use vr_kernels::ranges::VisibleLevels;
 use vr_kernels::tables::{BakedTransfer, table_range};
 use vr_kernels::vector::OpticsTable;
 
+use crate::ghosts::{BEYOND, Ghosts, Vacuum};
 use crate::input::{SplatInput, offset, unit};
 use crate::kernel::Shape;
 use crate::ramps::Ramps;
@@ -32,14 +33,19 @@ pub(crate) enum Visible {
 }
 
 impl Classified {
-    pub(crate) fn new(renderer: &Splatter, scene: &Scene, input: &SplatInput) -> Self {
+    pub(crate) fn new(renderer: &Splatter, scene: &Scene, input: &SplatInput, ghosts: Option<&Ghosts>) -> Self {
         let transfer = &scene.transfer;
         let (offset, calibration) = offset(input);
         let (integer, field, carried) = match input {
             SplatInput::Grid(grid) => {
                 let (low, high) = grid.value_stats().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
+                // No weighted mean lies beyond all that is weighed, coefficients of the B-spline among it.
+                let (min, max) = ghosts.map_or((low, high), |ghosts| {
+                    let (min, max) = ghosts.range();
+                    (low.min(f64::from(min)), high.max(f64::from(max)))
+                });
                 let beyond = overshoot(renderer) * (high - low);
-                let field = (-beyond, high - low + beyond);
+                let field = (min - low - beyond, max - low + beyond);
                 (grid.voxel_type().is_integer(), field, field)
             }
             SplatInput::Points(points) => {
@@ -61,11 +67,17 @@ impl Classified {
                 let range = [range.0, range.1].map(|end| f64::from(end) + f64::from(offset));
                 let seen = visible_levels(transfer, grid.calibration(), range.into());
                 let shows_all = seen.all(range[0], range[1]);
-                let all = !scene.compositing.integrates_light() || (shows_all && grid.vacuum_cells().is_none());
-                Visible::Voxels(if all {
-                    VisibleVoxels::all(grid.dims(), grid.vacuum_cells())
-                } else {
-                    grid.with_lattice(FindVisible { renderer, grid, seen: &seen })
+                // Voxels on their own leave those that are missing out; elsewhere these are filled in, and vacuum has no part.
+                let single = renderer.splats_light() && grid.vacuum_cells().is_some();
+                let picks = !scene.compositing.integrates_light();
+                let all = picks && !single || (shows_all && grid.vacuum_cells().is_none());
+                let beyond = if ghosts.is_some() { BEYOND } else { 0 };
+                let vacuum = Vacuum { cells: grid.vacuum_cells(), dims: grid.dims(), beyond };
+                let find = FindVisible { renderer, grid, vacuum, seen: &seen, picks };
+                Visible::Voxels(match ghosts {
+                    _ if all => VisibleVoxels::all(vacuum),
+                    Some(ghosts) => find.visit(ghosts.lattice()),
+                    None => grid.with_lattice(find),
                 })
             }
             SplatInput::Points(points) => {
@@ -87,14 +99,17 @@ impl Classified {
 
 /// Distance that a field may lie beyond the values of its voxels, by their range: kernels with negative weights overshoot.
 fn overshoot(renderer: &Splatter) -> f64 {
-    if renderer.kernel.shape == Shape::Sinc { 0.5 } else { 0.0 }
+    if matches!(renderer.kernel.shape, Shape::Sinc | Shape::CatmullRom) { 0.5 } else { 0.0 }
 }
 
 /// Finds the voxels that matter.
 struct FindVisible<'a> {
     renderer: &'a Splatter,
     grid: &'a GridVolume,
+    vacuum: Vacuum<'a>,
     seen: &'a VisibleLevels,
+    /// True if every value may be picked, whether it can be seen or not.
+    picks: bool,
 }
 
 impl LatticeVisitor for FindVisible<'_> {
@@ -102,7 +117,8 @@ impl LatticeVisitor for FindVisible<'_> {
 
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> VisibleVoxels {
         if self.renderer.splats_light() {
-            return VisibleVoxels::classified(&lattice, &missing(self.grid), self.seen);
+            let shows = |value: f64| self.picks || self.seen.any(value, value);
+            return VisibleVoxels::single(&lattice, &missing(self.grid), &shows);
         }
         let reach = self.renderer.kernel.reach();
         // What a sheet is classified by is a mean over its thickness, but for products, which are taken in its middle.
@@ -112,6 +128,6 @@ impl LatticeVisitor for FindVisible<'_> {
             _ => reach.into_iter().fold(0.0, f64::max),
         };
         let overshoot = overshoot(self.renderer) as f32;
-        VisibleVoxels::reconstructed(&lattice, self.grid.vacuum_cells(), self.seen, reach, beyond, overshoot)
+        VisibleVoxels::reconstructed(&lattice, self.vacuum, self.seen, reach, beyond, overshoot)
     }
 }

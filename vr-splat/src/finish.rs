@@ -5,10 +5,13 @@ use vr_core::{Calibration, Compositing, Frame, Layer, Scene, View};
 use vr_kernels::vector::Operator;
 
 use crate::projection::SplatView;
+use crate::shading::Gradients;
+use crate::splatter::Splatter;
 use crate::tile::{Drawn, State};
 
 /// The picture, as tiles join it.
 pub(crate) struct Picture<'a> {
+    renderer: &'a Splatter,
     scene: &'a Scene,
     view: &'a View,
     calibration: Calibration,
@@ -19,10 +22,16 @@ pub(crate) struct Picture<'a> {
 }
 
 impl<'a> Picture<'a> {
-    pub(crate) fn new(scene: &'a Scene, view: &'a View, calibration: Calibration, operator: Operator) -> Self {
+    pub(crate) fn new(
+        renderer: &'a Splatter,
+        scene: &'a Scene,
+        view: &'a View,
+        calibration: Calibration,
+        operator: Operator,
+    ) -> Self {
         let count = view.size[0] as usize * view.size[1] as usize;
         let depth = (operator != Operator::Over).then(|| vec![f64::INFINITY; count]);
-        Self { scene, view, calibration, operator, depth, pixels: vec![[0.0; 4]; count] }
+        Self { renderer, scene, view, calibration, operator, depth, pixels: vec![[0.0; 4]; count] }
     }
 
     /// Adds a tile; tiles must come in an order that is always the same.
@@ -80,8 +89,9 @@ impl<'a> Picture<'a> {
         let placement = grid.placement();
         let index = placement.inverse_axes() * (ray.origin - placement.origin() + ray.direction * distance);
         let last = DVec3::from_array(grid.dims().map(|n| (n - 1) as f64));
-        let gradient = DVec3::from(grid.central_differences_at(index.clamp(DVec3::ZERO, last).to_array()));
-        let world = placement.gradient_to_world(gradient);
+        let gradients = Gradients::new(shading, self.renderer, grid);
+        let gradient = gradients.at(grid, index.clamp(DVec3::ZERO, last).to_array());
+        let world = placement.gradient_to_world(DVec3::from(gradient));
         shading.along(&self.scene.lights, ray.direction).shade(rgba, world.to_array())
     }
 

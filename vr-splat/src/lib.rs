@@ -55,18 +55,32 @@
 //!
 //! - `average`: ∫ Σ fₖ wₖ ds / ∫ Σ wₖ ds over what box, clip and opaque layer leave of the ray. A constant's mean is the constant, with any kernel; with bilinear
 //!   weights Σ wₖ = 1, and the mean is exact but for rounding, on chords of any length.
-//! - `maximum`, `minimum`: of values in the middle of sheets. `first`: colour at the threshold, or that of the sheet in which the ray enters.
+//! - `maximum`, `minimum`: of values in the middle of sheets. `first`: colour at the threshold, or that of the sheet in which the ray enters. The volume's
+//!   own sheets have the value Σ wₖ fₖ / Σ wₖ of their whole kernels, and a sample on its own has its own value wherever the ray meets its kernel: both come
+//!   to the canonical pixel with the distance of voxels. Means are the same in every buffer.
 //! - Depth: of light, where opacity reaches a half, each sheet being homogeneous; of `first`, where the line between the values in the middle of two sheets
 //!   passes the threshold; of a maximum or minimum, the middle of its sheet; of a mean there is none (+∞), and back to front nothing is known.
 //! - A first hit is shaded by the grid's gradient where the ray meets it.
-//! - Missing voxels: vacuum is known to a sheet, and errors at its faces fall with the distance of sheets by the order 1; so with `average` there.
+//!
+//! # Gradients
+//! What is classified sheet by sheet reflects by the gradient in the middle of the sheet, central differences or the filter's own, and its opacity follows
+//! that gradient's magnitude. What is classified before is shaded at the voxel, by the direction in which the eye sees the voxel, and its light is splatted.
+//! Emission given on its own reflects nothing, and factors on opacity leave it as it is.
+//!
+//! # Filters
+//! A grid's [`Filter`](vr_core::Filter) is the kernel that spreads its voxels, unless another one was asked for ([`Shape::of_filter`]): weights are divided
+//! out, so that the sum is the filter's field. Voxels beyond the box are splatted as the filter has them, and of the B-spline its coefficients.
+//!
+//! # Missing voxels
+//! Vacuum is known to a sheet, and errors at its faces fall with the distance of sheets by the order 1; so with `average` there.
 //!
 //! # What cannot be drawn
-//! Answered by [`vr_core::RenderError::Unsupported`]: shading but of a grid's values by central differences (they come from the grid, at the places
-//! where sheets are classified; beside missing voxels they are those of the nearest values, as everywhere here); opacity that follows the gradient; filters of
-//! the scene but the trilinear one (kernels are an option); the volume's own
-//! sheets of points; another kernel for points than their own; maximum, minimum, average and first but of values in sheets parallel to the image; back to
-//! front but of the volume's own sheets under `over`, where frames have no depth. Options that have no effect beside the others (`sigma` of what is no Gaussian,
+//! Answered by [`vr_core::RenderError::Unsupported`]: shading and opacity by the gradient of scattered points; the volume's own sheets of points, which have
+//! no layers; another kernel for points than their own, or beside a filter of the scene that is not trilinear, for a voxel is spread by one of them; the
+//! B-spline but of values in sheets parallel to the image, for its coefficients are a field only all together; analytic gradients of voxels on their own
+//! under linear weights or cones, which have a kink there, and in the volume's own sheets, which have no slope across their layer; of
+//! what is classified before it is splatted, maximum, minimum, average and first: light has no value to compare; back to front but of the volume's own
+//! sheets under `over`, where frames have no depth. Options that have no effect beside the others (`sigma` of what is no Gaussian,
 //! `slice-distance` where sheets are not parallel to the image, `termination` back to front) are errors where they are set.
 
 mod bins;
@@ -75,9 +89,12 @@ mod capabilities;
 mod chord_table;
 mod classified;
 mod finish;
+mod ghosts;
+mod gradient_optics;
 mod hard_cases;
 mod input;
 mod kernel;
+mod kernel_sum;
 mod model;
 mod options;
 mod prepared;
@@ -93,6 +110,7 @@ mod splatter;
 mod study;
 mod tile;
 mod visible;
+mod voxel_lights;
 mod voxel_optics;
 
 pub use kernel::{Shape, SplatKernel};

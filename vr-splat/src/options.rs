@@ -23,40 +23,44 @@ impl Configurable for Splatter {
                 ),
                 DeclaredOption::choice(
                     "classification",
-                    "classify a sheet's values, or voxels and points before they are splatted (always, with buffers=samples)",
+                    "classify a sheet's values, or voxels and points before they are splatted; with buffers=samples both are one: a sample on its own has its own value",
                     [("values", Classification::Post), ("voxels", Classification::Pre)],
                     |r: &Self| r.classification,
                     |r, classification| r.classification = classification,
                 ),
                 DeclaredOption::choice(
                     "kernel",
-                    "how a voxel is spread; scattered points have kernels of their own, and take none of these five options",
+                    "how a voxel is spread; bilinear: as the volume's filter says; scattered points have kernels of their own, and take none of these six options",
                     [
                         ("bilinear", Shape::Bilinear),
                         ("bspline", Shape::BSpline),
                         ("gaussian", Shape::Gaussian),
                         ("cone", Shape::Cone),
                         ("sinc", Shape::Sinc),
+                        ("box", Shape::Box),
+                        ("catmull-rom", Shape::CatmullRom),
+                        ("product-gaussian", Shape::ProductGaussian),
                     ],
                     |r: &Self| r.kernel.shape,
                     |r, shape| r.kernel.shape = shape,
                 ),
                 DeclaredOption::number(
                     "radius",
-                    "reach of a kernel in voxels; 0: 1 bilinear, 2 bspline and gaussian, 1.6 cone, 3 sinc",
+                    "reach of a kernel in voxels; 0: 1 bilinear, 2 bspline, gaussians and catmull-rom, 1.6 cone, 3 sinc, 0.5 box",
                     NumberRange::at_least(0.5).up_to(8.0).or_zero(),
                     |r| r.kernel.radius,
                     |r, x| r.kernel.radius = x,
                 ),
                 DeclaredOption::<Self>::number(
                     "sigma",
-                    "standard deviation of the kernel gaussian, in voxels",
+                    "standard deviation of the kernels gaussian and product-gaussian, in voxels",
                     NumberRange::at_least(0.1).up_to(8.0),
                     |r| r.kernel.sigma,
                     |r, x| r.kernel.sigma = x,
                 )
-                .refuse("only the kernel 'gaussian' has one: must be absent", |r| {
-                    r.kernel.sigma != SplatKernel::default().sigma && r.kernel.shape != Shape::Gaussian
+                .refuse("only the kernels 'gaussian' and 'product-gaussian' have one: must be absent", |r| {
+                    let has_sigma = matches!(r.kernel.shape, Shape::Gaussian | Shape::ProductGaussian);
+                    r.kernel.sigma != SplatKernel::default().sigma && !has_sigma
                 }),
                 DeclaredOption::number(
                     "width-x",

@@ -6,8 +6,8 @@ use fearless_simd::Level;
 use vr_core::filter::Lattice;
 use vr_core::image_order::in_parallel;
 use vr_core::{
-    Compositing, Control, Frame, GridVolume, LatticeVisitor, Model, ParameterError, PointSet, Prepared, RenderError,
-    RenderStats, Rendered, Scene, View, Voxel,
+    Compositing, Control, Filter, Frame, GridVolume, LatticeVisitor, Model, ParameterError, PointSet, Prepared,
+    RenderError, RenderStats, Rendered, Scene, View, Voxel,
 };
 use vr_kernels::vector::Operator;
 
@@ -15,51 +15,62 @@ use crate::bins::{Bins, Keys, TILE};
 use crate::capabilities::{check, check_view};
 use crate::classified::{Classified, Visible};
 use crate::finish::Picture;
+use crate::ghosts::Ghosts;
 use crate::input::{SplatInput, offset, profile};
 use crate::model::SplatModel;
 use crate::projection::SplatView;
 use crate::shading::Shader;
-use crate::sheets::{ImageSheets, OwnSheets};
+use crate::sheets::{ImageSheets, MIN_MET, OwnSheets};
 use crate::source::{GridSplats, PointSplats, Source, Spread};
 use crate::splatter::{Buffers, CompositingOrder, Splatter};
-use crate::tile::{Bounds, Classifier, Content, FootprintKernel, Painter};
-use crate::visible::{CellBits, VisibleVoxels};
+use crate::tile::{Bounds, Classifier, Content, FootprintKernel, Painter, SplatLight, VisibleCells};
+use crate::visible::VisibleVoxels;
+use crate::voxel_lights::VoxelLights;
 
 /// The scene, what can be seen of it, and tables.
 pub(crate) struct PreparedSplatter {
+    /// As it was asked for.
+    given: Splatter,
+    /// With the kernel that the volume's filter is.
     renderer: Splatter,
     scene: Scene,
     input: SplatInput,
     level: Level,
     kernel: FootprintKernel,
     classified: Classified,
+    ghosts: Option<Ghosts>,
     /// Stages since the last picture, and their times.
     stats: RenderStats,
 }
 
 impl PreparedSplatter {
-    pub(crate) fn new(renderer: Splatter, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
-        let input = check(&renderer, scene)?;
+    pub(crate) fn new(given: Splatter, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
+        let input = check(&given, scene)?;
+        let renderer = given.spreading(&input);
         control.check()?;
         let mut stats = RenderStats::default();
         let kernel = stats.time("kernel", || FootprintKernel::new(&profile(&renderer, &input)));
-        let classified = stats.time("classify", || control.run(|| Classified::new(&renderer, scene, &input)));
-        Ok(Self { renderer, scene: scene.clone(), input, level: Level::new(), kernel, classified, stats })
+        let ghosts = stats.time("filter", || control.run(|| Ghosts::new(&renderer, &input)));
+        let classified =
+            stats.time("classify", || control.run(|| Classified::new(&renderer, scene, &input, ghosts.as_ref())));
+        let (scene, level) = (scene.clone(), Level::new());
+        Ok(Self { given, renderer, scene, input, level, kernel, classified, ghosts, stats })
     }
 }
 
 impl Prepared for PreparedSplatter {
     fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
-        let input = check(&self.renderer, scene)?;
+        let input = check(&self.given, scene)?;
         control.check()?;
         if !self.scene.volume.same(&scene.volume) {
-            *self = Self::new(self.renderer.clone(), scene, control)?;
+            *self = Self::new(self.given.clone(), scene, control)?;
             return Ok(());
         }
         let picks = |scene: &Scene| !scene.compositing.integrates_light();
         if self.scene.transfer != scene.transfer || picks(scene) != picks(&self.scene) {
-            let renderer = &self.renderer;
-            self.classified = self.stats.time("classify", || control.run(|| Classified::new(renderer, scene, &input)));
+            let (renderer, ghosts) = (&self.renderer, self.ghosts.as_ref());
+            let make = || Classified::new(renderer, scene, &input, ghosts);
+            self.classified = self.stats.time("classify", || control.run(make));
         }
         (self.scene, self.input) = (scene.clone(), input);
         Ok(())
@@ -71,7 +82,11 @@ impl Prepared for PreparedSplatter {
         let mut stats = std::mem::take(&mut self.stats);
         let frame = match (&self.input, &self.classified.visible) {
             (SplatInput::Grid(grid), Visible::Voxels(voxels)) => {
-                grid.with_lattice(DrawGrid { prepared: self, grid, voxels, view, control, stats: &mut stats })?
+                let draw = DrawGrid { prepared: self, grid, voxels, view, control, stats: &mut stats };
+                match &self.ghosts {
+                    Some(ghosts) => draw.visit(ghosts.lattice())?,
+                    None => grid.with_lattice(draw)?,
+                }
             }
             (SplatInput::Points(points), Visible::Points(visible)) => {
                 self.draw_points(points, visible, view, control, &mut stats)?
@@ -98,8 +113,10 @@ struct Drawing<'a> {
     splat_view: &'a SplatView,
     /// The axis of the volume's own sheets, and the layer of each.
     layers: Option<(usize, &'a [u32])>,
-    /// Cells in which something can be seen at all, and the size of the grid.
-    cells: Option<(&'a CellBits, [usize; 3])>,
+    /// Cells in which something can be seen at all.
+    cells: Option<VisibleCells<'a>>,
+    /// Light of splats that are classified already.
+    light: SplatLight<'a>,
 }
 
 /// Draws a grid, whatever its samples are.
@@ -122,11 +139,27 @@ impl LatticeVisitor for DrawGrid<'_> {
         let splat_view = prepared.splat_view(view)?;
         let own = (renderer.buffers == Buffers::Axis).then(|| OwnSheets::new(renderer, grid, view)).transpose()?;
         let sheets = own.as_ref().map(|own| (own.axis, own.order.as_slice()));
-        let spread = Spread { reach: renderer.kernel.reach(), low_pass: renderer.low_pass, offset: offset(input).0 };
-        let source = GridSplats::new(lattice, voxels, &splat_view, grid.placement(), spread, sheets);
+        let beyond = voxels.beyond;
+        let cells = voxels.cells.as_ref().map(|bits| VisibleCells { bits, dims: lattice.dims, beyond });
+        let spread =
+            Spread { reach: renderer.kernel.reach(), low_pass: renderer.low_pass, offset: offset(input).0, beyond };
+        // Where gradients have a part in it, light of voxels is found for the view.
+        let lit = renderer.splats_light() && prepared.scene.compositing.integrates_light();
+        let lights = if lit {
+            let make =
+                || control.run(|| VoxelLights::new(renderer, &prepared.scene, grid, voxels, view, prepared.level));
+            stats.time("light", make)?
+        } else {
+            None
+        };
+        let numbers = lights.as_ref().map(|lights| lights.starts.as_slice());
+        let source = GridSplats::new(lattice, voxels, &splat_view, grid.placement(), spread, sheets, numbers);
         let layers = own.as_ref().map(|own| (own.axis, own.layers.as_slice()));
-        let cells = voxels.cells.as_ref().map(|cells| (cells, grid.dims()));
-        let drawing = Drawing { source: &source, splat_view: &splat_view, layers, cells };
+        let light = match &lights {
+            Some(lights) => SplatLight::OfVoxel(&lights.rows),
+            None => SplatLight::OfValue(&prepared.classified.light),
+        };
+        let drawing = Drawing { source: &source, splat_view: &splat_view, layers, cells, light };
         prepared.draw(view, &drawing, control, stats)
     }
 }
@@ -142,7 +175,8 @@ impl PreparedSplatter {
     ) -> Result<Frame, RenderError> {
         let splat_view = self.splat_view(view)?;
         let source = PointSplats { points, visible, view: &splat_view, low_pass: self.renderer.low_pass };
-        let drawing = Drawing { source: &source, splat_view: &splat_view, layers: None, cells: None };
+        let light = SplatLight::OfValue(&self.classified.light);
+        let drawing = Drawing { source: &source, splat_view: &splat_view, layers: None, cells: None, light };
         self.draw(view, &drawing, control, stats)
     }
 
@@ -158,7 +192,7 @@ impl PreparedSplatter {
         control: &Control,
         stats: &mut RenderStats,
     ) -> Result<Frame, RenderError> {
-        let &Drawing { source, splat_view, layers, cells } = drawing;
+        let &Drawing { source, splat_view, layers, cells, light } = drawing;
         let (renderer, scene, input) = (&self.renderer, &self.scene, &self.input);
         let layer = scene.layer(view, control)?;
         let (_, calibration) = offset(input);
@@ -167,8 +201,9 @@ impl PreparedSplatter {
             SplatInput::Points(_) => None,
         };
         let operator = Operator::new(scene.compositing, calibration, renderer.order == CompositingOrder::BackToFront);
-        // Where nothing is missing, a mean needs no sheets.
-        let sums = operator == Operator::Average && grid.is_some_and(|grid| grid.vacuum_cells().is_none());
+        // Where nothing is missing, a mean needs no sheets: but the Gaussian filter's, whose weights have another sum at every place.
+        let sums = operator == Operator::Average
+            && grid.is_some_and(|grid| grid.vacuum_cells().is_none() && grid.filter() != Filter::Gaussian);
         let sheets = ImageSheets::new(renderer, &scene.volume, input, splat_view)?;
         let exact = |stored: f32, length: f32| {
             if length <= 0.0 {
@@ -177,7 +212,7 @@ impl PreparedSplatter {
             scene.transfer.step(calibration.value(f64::from(stored)), f64::from(length)).map(|x| x as f32)
         };
         // A picked value is shaded once, at its place.
-        let shader = grid.filter(|_| !operator.picks()).and_then(|grid| Shader::new(scene, grid));
+        let shader = grid.and_then(|grid| Shader::new(renderer, scene, grid, calibration));
         // Everything that tiles share.
         let painter = Painter {
             view: splat_view,
@@ -186,7 +221,7 @@ impl PreparedSplatter {
                 layer: layer.as_ref(),
                 samples: view.supersampling,
                 grid: grid.map(|grid| (grid.placement(), grid.dims())),
-                boxed: crate::sheets::is_boxed(renderer, input),
+                boxed: crate::sheets::is_boxed(renderer, scene, input),
             },
             kernel: &self.kernel,
             operator,
@@ -197,8 +232,8 @@ impl PreparedSplatter {
             layers,
             content: if sums {
                 Content::Sums
-            } else if renderer.splats_light() {
-                Content::Light(&self.classified.light)
+            } else if renderer.splats_light() && !operator.picks() {
+                Content::Light(light)
             } else {
                 Content::Values {
                     classifier: if self.classified.resolved {
@@ -213,6 +248,8 @@ impl PreparedSplatter {
                     shader: shader.as_ref(),
                 }
             },
+            // A mean weighs what it takes, however little.
+            min_met: if operator == Operator::Average { f32::NEG_INFINITY } else { (MIN_MET * splat_view.unit) as f32 },
             negligible: if renderer.termination < 1.0 {
                 let (low, high) = scene.volume.bounds();
                 ((1.0 - renderer.termination) / scene.max_radiance().over(low.distance(high))) as f32
@@ -229,7 +266,7 @@ impl PreparedSplatter {
             Buffers::Samples => Keys::Depth,
         };
         // Tiles, in groups of rows whose splats fit into the memory allowed.
-        let mut picture = Picture::new(scene, view, calibration, operator);
+        let mut picture = Picture::new(renderer, scene, view, calibration, operator);
         let [across, down] = splat_view.size.map(|n| n.div_ceil(TILE));
         let rows = rows_at_once(source.count(), down);
         for first in (0..down).step_by(rows as usize) {

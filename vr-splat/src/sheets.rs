@@ -11,10 +11,18 @@ use crate::splatter::{Buffers, CompositingOrder, Splatter};
 const MAX_SHEETS: f64 = 1e6;
 const MAX_AT_ONCE: f64 = 2048.0;
 
-/// True if a grid's box cuts rays. Where values are classified in sheets parallel to the image, or averaged, it does, as in the canonical pixel; else
+/// Smallest integral of a sample's kernel along a ray, in units of the view, that lets it be picked on its own: a thousandth of a voxel's edge. Less may
+/// be what rounding makes of a ray along the kernel's face.
+pub(crate) const MIN_MET: f64 = 1e-3;
+
+/// Voxels by which a place in one of the volume's own layers is taken for one behind it, where cells are looked up.
+pub(crate) const AT_LAYER: f64 = 1e-3;
+
+/// True if a grid's box cuts rays. Where values are classified in sheets parallel to the image, or picked, it does, as in the canonical pixel; else
 /// kernels are integrated over all of space.
-pub(crate) fn is_boxed(renderer: &Splatter, input: &SplatInput) -> bool {
-    matches!(input, SplatInput::Grid(_)) && renderer.buffers == Buffers::Image && !renderer.splats_light()
+pub(crate) fn is_boxed(renderer: &Splatter, scene: &Scene, input: &SplatInput) -> bool {
+    let in_image_sheets = renderer.buffers == Buffers::Image && !renderer.splats_light();
+    matches!(input, SplatInput::Grid(_)) && (in_image_sheets || !scene.compositing.integrates_light())
 }
 
 /// The view of all that may be drawn.
@@ -29,7 +37,7 @@ pub(crate) fn splat_view(
         SplatInput::Grid(grid) => {
             let cube = renderer.kernel.shape.is_separable();
             let mut bounds = scene.volume.bounds();
-            if !is_boxed(renderer, input) {
+            if !is_boxed(renderer, scene, input) {
                 let axes = grid.placement().axes();
                 let reach = renderer.kernel.reach();
                 let beyond = axes.x_axis.abs() * reach[0] + axes.y_axis.abs() * reach[1] + axes.z_axis.abs() * reach[2];

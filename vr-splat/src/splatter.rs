@@ -2,7 +2,8 @@
 
 use vr_core::Classification;
 
-use crate::kernel::SplatKernel;
+use crate::input::SplatInput;
+use crate::kernel::{Shape, SplatKernel};
 
 /// A renderer that splats.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,7 +12,7 @@ pub struct Splatter {
     pub buffers: Buffers,
     /// Order of splatting and classification.
     pub classification: Classification,
-    /// Kernel that spreads a voxel; scattered points have kernels of their own.
+    /// Kernel that spreads a voxel; the default stands for that of the grid's [`Filter`](vr_core::Filter). Scattered points have kernels of their own.
     pub kernel: SplatKernel,
     /// Distance between sheets parallel to the image: in smallest voxel edges, or in half mean radii of points; 0.02 to 64.
     pub slice_spacing: f64,
@@ -64,6 +65,16 @@ impl Default for Splatter {
 impl Splatter {
     /// The name in scene files and on command lines.
     pub const NAME: &'static str = "splat";
+
+    /// The renderer with the kernel that is a grid's filter, unless another was asked for.
+    pub(crate) fn spreading(&self, input: &SplatInput) -> Self {
+        match input {
+            SplatInput::Grid(grid) if self.kernel == SplatKernel::default() => {
+                Self { kernel: SplatKernel::new(Shape::of_filter(grid.filter())), ..self.clone() }
+            }
+            _ => self.clone(),
+        }
+    }
 
     /// True if a termination was asked for: neither the default, nor 1, at which no pixel ends early.
     pub(crate) fn sets_termination(&self) -> bool {

@@ -2,10 +2,11 @@
 
 use vr_core::filter::Lattice;
 use vr_core::parallel::collect;
-use vr_core::{AnyGrid, Calibration, GridVolume, TransferFunction, VacuumCells};
+use vr_core::{AnyGrid, Calibration, GridVolume, TransferFunction};
 use vr_kernels::ranges::{VisibleLevels, VisibleValues};
 
 use crate::bit_rows::{BitRows, Run};
+use crate::ghosts::Vacuum;
 
 /// The voxels that matter, row by row, and the cells in which something can be seen.
 pub(crate) struct VisibleVoxels {
@@ -13,6 +14,8 @@ pub(crate) struct VisibleVoxels {
     pub(crate) layers: Vec<Vec<Run>>,
     /// `None`: every cell may show something.
     pub(crate) cells: Option<CellBits>,
+    /// Number of voxels before the grid's first, and behind its last, that there are.
+    pub(crate) beyond: usize,
 }
 
 impl VisibleVoxels {
@@ -22,17 +25,18 @@ impl VisibleVoxels {
     }
 
     /// All voxels, and all cells but those that are vacuum.
-    pub(crate) fn all(dims: [usize; 3], vacuum: Option<&VacuumCells>) -> Self {
+    pub(crate) fn all(vacuum: Vacuum<'_>) -> Self {
+        let dims = vacuum.dims.map(|n| n + 2 * vacuum.beyond);
         let row = |y: usize| Run { x: 0, y: y as u16, length: dims[0] as u16 };
-        let cells = vacuum.map(|vacuum| CellBits::all_but(dims, vacuum));
-        Self { layers: vec![(0..dims[1]).map(row).collect(); dims[2]], cells }
+        let cells = vacuum.cells.is_some().then(|| CellBits::all_but(dims, vacuum));
+        Self { layers: vec![(0..dims[1]).map(row).collect(); dims[2]], cells, beyond: vacuum.beyond }
     }
 
-    /// Voxels that are classified themselves: those that absorb or shine.
-    pub(crate) fn classified<T: vr_core::Voxel>(
+    /// Voxels that count by themselves, and are there: those whose stored numbers show.
+    pub(crate) fn single<T: vr_core::Voxel>(
         lattice: &Lattice<'_, T>,
         missing: &(dyn Fn(usize) -> bool + Sync),
-        levels: &VisibleLevels,
+        shows: &(dyn Fn(f64) -> bool + Sync),
     ) -> Self {
         let [nx, ny, nz] = lattice.dims;
         let layer = |z: usize| {
@@ -41,21 +45,21 @@ impl VisibleVoxels {
                 for x in 0..nx {
                     let i = (z * ny + y) * nx + x;
                     let value = f64::from(lattice.samples[i].to_f32());
-                    if levels.any(value, value) && !missing(i) {
+                    if shows(value) && !missing(i) {
                         bits.set(x, y);
                     }
                 }
             }
             bits.runs()
         };
-        Self { layers: collect(nz, layer), cells: None }
+        Self { layers: collect(nz, layer), cells: None, beyond: 0 }
     }
 
     /// Voxels on which the field depends wherever it can be seen. Kernels reach `reach` voxels, what is asked of the field within a cell may depend
     /// on `beyond` of it on either side, and the field may overshoot its samples by `overshoot` of their range.
     pub(crate) fn reconstructed<T: vr_core::Voxel>(
         lattice: &Lattice<'_, T>,
-        vacuum: Option<&VacuumCells>,
+        vacuum: Vacuum<'_>,
         levels: &VisibleLevels,
         reach: [f64; 3],
         beyond: f64,
@@ -74,7 +78,7 @@ impl VisibleVoxels {
             }
             bits.runs()
         };
-        Self { layers: collect(nz, layer), cells: Some(cells) }
+        Self { layers: collect(nz, layer), cells: Some(cells), beyond: vacuum.beyond }
     }
 }
 
@@ -103,11 +107,11 @@ pub(crate) struct CellBits {
 }
 
 impl CellBits {
-    fn all_but([nx, ny, nz]: [usize; 3], vacuum: &VacuumCells) -> Self {
+    fn all_but([nx, ny, nz]: [usize; 3], vacuum: Vacuum<'_>) -> Self {
         let layer = |z: usize| {
             let mut bits = BitRows::new(nx - 1, ny - 1);
             for y in 0..ny - 1 {
-                (0..nx - 1).filter(|&x| !vacuum.is_vacuum([x, y, z])).for_each(|x| bits.set(x, y));
+                (0..nx - 1).filter(|&x| !vacuum.is_at([x, y, z])).for_each(|x| bits.set(x, y));
             }
             bits
         };
@@ -116,7 +120,7 @@ impl CellBits {
 
     fn new<T: vr_core::Voxel>(
         lattice: &Lattice<'_, T>,
-        vacuum: Option<&VacuumCells>,
+        vacuum: Vacuum<'_>,
         levels: &VisibleLevels,
         other: [usize; 3],
         overshoot: f32,
@@ -155,9 +159,7 @@ impl CellBits {
                     let min = row_low[around.clone()].iter().copied().fold(f32::INFINITY, f32::min);
                     let max = row_high[around].iter().copied().fold(f32::NEG_INFINITY, f32::max);
                     let more = overshoot * (max - min);
-                    if levels.any(f64::from(min - more), f64::from(max + more))
-                        && !vacuum.is_some_and(|v| v.is_vacuum([x, y, z]))
-                    {
+                    if levels.any(f64::from(min - more), f64::from(max + more)) && !vacuum.is_at([x, y, z]) {
                         bits.set(x, y);
                     }
                 }
@@ -201,9 +203,10 @@ mod tests {
         samples[(3 * 5 + 2) * 70 + 64] = 9;
         let lattice = Lattice { samples: &samples, dims };
         let levels = visible_levels(&transfer(4.0), Calibration::default(), (0.0, 9.0));
-        let own = VisibleVoxels::classified(&lattice, &|_| false, &levels);
+        let own = VisibleVoxels::single(&lattice, &|_| false, &|value| levels.any(value, value));
         assert_eq!(voxels(&own), [[64, 2, 3]]);
-        let linear = VisibleVoxels::reconstructed(&lattice, None, &levels, [1.0; 3], 0.0, 0.0);
+        let whole = Vacuum { cells: None, dims, beyond: 0 };
+        let linear = VisibleVoxels::reconstructed(&lattice, whole, &levels, [1.0; 3], 0.0, 0.0);
         // Eight cells around it, and their corners.
         let want: Vec<[usize; 3]> =
             (2..5).flat_map(|z| (1..4).flat_map(move |y| (63..66).map(move |x| [x, y, z]))).collect();
@@ -212,7 +215,7 @@ mod tests {
         let cells = linear.cells.as_ref().unwrap();
         assert!(cells.is_visible(63, 1, 2) && cells.is_visible(64, 2, 3) && !cells.is_visible(65, 2, 3));
         // Kernels that reach two voxels see it from one cell farther, and these depend on two voxels each way.
-        let wide = VisibleVoxels::reconstructed(&lattice, None, &levels, [2.0; 3], 0.0, 0.0);
+        let wide = VisibleVoxels::reconstructed(&lattice, whole, &levels, [2.0; 3], 0.0, 0.0);
         assert!(wide.cells.as_ref().unwrap().is_visible(62, 0, 1));
         assert!(voxels(&wide).contains(&[61, 0, 0]) && !voxels(&wide).contains(&[60, 0, 0]));
     }
@@ -223,12 +226,22 @@ mod tests {
         samples[(3 + 1) * 4 + 2] = f32::NAN;
         let placement = vr_core::Placement::from_spacing([1.0; 3]).unwrap();
         let grid = vr_core::UniformGrid::new([4, 3, 3], samples, placement, Calibration::default()).unwrap();
-        let all = VisibleVoxels::all([4, 3, 3], Some(&VacuumCells::new(&grid)));
+        let holes = vr_core::VacuumCells::new(&grid);
+        let vacuum = Vacuum { cells: Some(&holes), dims: [4, 3, 3], beyond: 0 };
+        let all = VisibleVoxels::all(vacuum);
         assert_eq!(all.count(), 36);
         let cells = all.cells.unwrap();
         for (x, seen) in [(0, true), (1, false), (2, false)] {
             assert!((0..2).all(|y| (0..2).all(|z| cells.is_visible(x, y, z) == seen)), "{x}");
         }
-        assert!(VisibleVoxels::all([4, 3, 3], None).cells.is_none());
+        assert!(VisibleVoxels::all(Vacuum { cells: None, ..vacuum }).cells.is_none());
+        // With a voxel more at each end, cells have other numbers.
+        let cells = VisibleVoxels::all(Vacuum { beyond: 1, ..vacuum }).cells.unwrap();
+        assert!(
+            cells.is_visible(1, 1, 1)
+                && !cells.is_visible(2, 1, 1)
+                && cells.is_visible(2, 0, 1)
+                && cells.is_visible(4, 1, 1)
+        );
     }
 }

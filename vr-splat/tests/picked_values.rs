@@ -65,19 +65,68 @@ fn a_mean_is_over_what_there_is_of_the_chord() {
 }
 
 #[test]
-fn only_values_in_image_sheets_are_averaged() {
+fn light_has_no_values_to_pick() {
     let mean = scene(grid([3; 3], vec![0.4; 27], Calibration::default()), Compositing::Average);
     let voxels = Splatter { classification: Classification::Pre, ..Splatter::default() };
-    for renderer in [Buffers::Axis, Buffers::Samples]
-        .map(|buffers| Splatter { buffers, ..Splatter::default() })
-        .into_iter()
-        .chain([voxels])
-    {
+    for renderer in [Splatter { buffers: Buffers::Axis, ..voxels.clone() }, voxels] {
         match renderer.prepare(&mean, &Control::default()) {
             Err(RenderError::Unsupported(Unsupported { what: feature, .. })) => {
-                assert!(feature.contains("average"), "{feature}")
+                assert!(feature.contains("average") && feature.contains("light"), "{feature}")
             }
             other => panic!("{renderer:?}: {:?}", other.map(|_| "prepared")),
+        }
+    }
+}
+
+#[test]
+fn means_are_the_same_in_every_buffer() {
+    let noise = scene(grid([9, 8, 7], random_samples(504, 3), Calibration::default()), Compositing::Average);
+    let view = view(&noise, 33.0, 21.0, None, 24);
+    let of = |buffers| draw(&Splatter { buffers, ..Splatter::default() }, &noise, &view).frame;
+    let image = of(Buffers::Image);
+    assert!(image.pixels().iter().any(|p| p[3] > 0.3));
+    for other in [Buffers::Axis, Buffers::Samples].map(of) {
+        // Sums in another order.
+        let pairs = image.pixels().iter().flatten().zip(other.pixels().iter().flatten());
+        assert!(pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) < 1e-6);
+    }
+}
+
+#[test]
+fn values_picked_of_own_sheets_and_samples_come_nearer_as_voxels_become_small() {
+    // One smooth field, at voxels of two sizes.
+    let field = |n: usize| {
+        let spacing = 8.0 / (n - 1) as f64;
+        let value = |i: usize| {
+            let [x, y, z] = [i % n, i / n % n, i / (n * n)].map(|x| x as f64 * spacing);
+            (0.5 + 0.4 * libm::sin(0.8 * x) * libm::cos(0.7 * y + 0.2) * libm::sin(0.6 * z + 0.5)) as f32
+        };
+        let samples: Vec<f32> = (0..n * n * n).map(value).collect();
+        let placement = Placement::from_spacing([spacing; 3]).unwrap();
+        UniformGrid::<f32>::new([n; 3], samples, placement, Calibration::default()).unwrap()
+    };
+    for buffers in [Buffers::Axis, Buffers::Samples] {
+        for compositing in [Compositing::Maximum, Compositing::Minimum, Compositing::First { threshold: 0.6 }] {
+            for (azimuth, elevation, fov) in VIEWS {
+                let [coarse, fine] = [9, 33].map(|n| {
+                    let scene = scene(field(n), compositing);
+                    error(
+                        &Splatter { buffers, ..Splatter::default() },
+                        &scene,
+                        &view(&scene, azimuth, elevation, fov, 20),
+                    )
+                    .rmse
+                });
+                println!("{buffers:?} {} {azimuth}: {coarse:.1e}, {fine:.1e}", compositing.name());
+                // A sample has its value as far as its kernel reaches, and a sheet that of its layer: the order 1 at least, a quarter. Where a first
+                // hit just is or is not, all of it is at stake: in a line of pixels, which becomes narrow.
+                let (bound, least) =
+                    if matches!(compositing, Compositing::First { .. }) { (0.2, 1.4) } else { (0.03, 3.0) };
+                assert!(
+                    fine < bound && fine < coarse / least,
+                    "{buffers:?} {compositing:?} {azimuth}: {coarse} {fine}"
+                );
+            }
         }
     }
 }

@@ -181,12 +181,12 @@ fn what_cannot_be_drawn_is_said() {
     };
     let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..scene.clone() };
     let voxels = Splatter { classification: Classification::Pre, ..Splatter::default() };
-    assert!(refused(voxels, &shaded).contains("shading"));
     let smooth = scene.with_filter(Filter::BSpline);
-    assert!(refused(Splatter::default(), &smooth).contains("kernel"));
+    let cones = Splatter { kernel: SplatKernel::new(Shape::Cone), ..Splatter::default() };
+    assert!(refused(cones, &smooth).contains("kernel"));
+    assert!(refused(voxels.clone(), &smooth).contains("coefficients"));
     let brightest = Scene { compositing: Compositing::Maximum, ..scene.clone() };
-    let axis = Splatter { buffers: Buffers::Axis, ..Splatter::default() };
-    assert!(refused(axis, &brightest).contains("maximum"));
+    assert!(refused(voxels.clone(), &brightest).contains("maximum"));
     assert!(refused(Splatter { termination: 0.5, ..Splatter::default() }, &brightest).contains("termination"));
     assert!(refused(Splatter { order: CompositingOrder::BackToFront, ..Splatter::default() }, &scene).contains("back"));
     let points = PointSet::new(vec![glam::DVec3::ZERO], vec![1.0], vec![1.0], vec![1.0], PointKernel::Cone).unwrap();
@@ -203,17 +203,14 @@ fn what_cannot_be_drawn_is_said() {
     }
     let analytic = Shading { gradient: GradientMethod::Analytic, ..Shading::default() };
     let analytic = Scene { shading: Some(Arc::new(analytic)), ..scene.clone() };
-    assert!(refused(Splatter::default(), &analytic).contains("analytic"));
+    let axis = Splatter { buffers: Buffers::Axis, ..Splatter::default() };
+    assert!(refused(axis, &analytic).contains("no slope"));
+    assert!(refused(voxels, &analytic).contains("kink"));
     let shaded_points = Scene { shading: shaded.shading.clone(), ..cloud.clone() };
     assert!(refused(Splatter::default(), &shaded_points).contains("points"));
-    // What follows the gradient thins what absorbs, whether or not what shines is given on its own.
     let modulated = Shading { gradient_opacity: vec![(0.0, 0.0), (1.0, 1.0)], ..Shading::default() };
-    let modulated = Scene { shading: Some(Arc::new(modulated)), ..scene.clone() };
+    let modulated = Scene { shading: Some(Arc::new(modulated)), ..cloud };
     assert!(refused(Splatter::default(), &modulated).contains("gradient"));
-    let glow = ControlPoint { emission: Some([1.0; 3]), ..ControlPoint::new(0.0, [1.0; 3], 0.5) };
-    let transfer = TransferFunction::new(vec![glow], OpacityRule::Power, 1.0).unwrap();
-    let glowing = Scene { transfer: Arc::new(transfer), ..modulated };
-    assert!(refused(Splatter::default(), &glowing).contains("gradient"));
 }
 
 #[test]

@@ -42,7 +42,7 @@ fn a_file_of_rows_is_printed_drawn_and_copied() {
     assert!(copy.stdout.contains("\"gradient\""), "{}", copy.stdout);
     let refused = vr.run("tf rows.toml -o x.json");
     assert!(refused.code != 0 && refused.stderr.contains("held by .toml alone"), "{}", refused.stderr);
-    for renderer in ["texslice", "splat"] {
+    for renderer in ["texslice"] {
         let arguments = format!(
             "render --phantom hydrogen --phantom-size 16 --transfer rows.toml --renderer {renderer} {SMALL} -o r.png"
         );

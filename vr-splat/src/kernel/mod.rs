@@ -3,7 +3,9 @@
 mod partition;
 mod profile;
 
-pub(crate) use profile::{Profile, Radial, WindowedSinc, quadrature};
+pub(crate) use profile::{Profile, Radial, quadrature};
+
+use vr_core::Filter;
 
 /// A kernel of voxels.
 ///
@@ -14,9 +16,14 @@ pub(crate) use profile::{Profile, Radial, WindowedSinc, quadrature};
 /// | Gaussian | e^(−½ (x/σ)²) inside a ball, lowered so that it ends in 0 | 2, σ = 0.7 |
 /// | cone | 1 − abs x / radius | 1.6 |
 /// | sinc | Π sinc(xᵢ)·sinc(xᵢ / radius): windowed as by Lanczos | 3 |
+/// | box | 1 in the voxel's own cube | ½ |
+/// | Catmull-Rom | Π of Keys' cubics, a = −½, which interpolate | 2 |
+/// | product Gaussian | Π of Gaussians, lowered so that each ends in 0 | 2, σ = 0.7 |
 ///
-/// Gaussian and cone are radially symmetric, the others are products along the axes. All have an integral of one voxel; bilinear weights and B-splines sum
-/// to 1 everywhere, and by how much the others' do not, [`SplatKernel::partition_error`] says.
+/// Gaussian and cone are radially symmetric, the others are products along the axes. All have an integral of one voxel; bilinear weights, B-splines,
+/// boxes and Catmull-Rom cubics sum to 1 everywhere, and by how much the others' do not, [`SplatKernel::partition_error`] says.
+///
+/// Each [`Filter`] of a scene is one of them, where weights are divided out: see [`Shape::of_filter`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shape {
     /// Linear along each axis: with it, what is classified after reconstruction is the canonical field.
@@ -30,17 +37,45 @@ pub enum Shape {
     Cone,
     /// Windowed sinc.
     Sinc,
+    /// The voxel's own cube.
+    Box,
+    /// Catmull-Rom cubic along each axis (Keys 1981).
+    CatmullRom,
+    /// Gaussian along each axis.
+    ProductGaussian,
 }
 
 impl Shape {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Bilinear, Self::BSpline, Self::Gaussian, Self::Cone, Self::Sinc];
+    pub const ALL: [Self; 8] = [
+        Self::Bilinear,
+        Self::BSpline,
+        Self::Gaussian,
+        Self::Cone,
+        Self::Sinc,
+        Self::Box,
+        Self::CatmullRom,
+        Self::ProductGaussian,
+    ];
+
+    /// The shape whose sum over voxels, divided by that of the weights, is the field of a filter: of the B-spline's with its coefficients in the place of
+    /// voxels.
+    pub fn of_filter(filter: Filter) -> Self {
+        match filter {
+            Filter::Nearest => Self::Box,
+            Filter::Trilinear => Self::Bilinear,
+            Filter::BSpline => Self::BSpline,
+            Filter::CatmullRom => Self::CatmullRom,
+            Filter::Gaussian => Self::ProductGaussian,
+        }
+    }
 
     /// The reach that belongs to it, in voxels.
     pub fn own_radius(self) -> f64 {
         match self {
             Self::Bilinear => 1.0,
-            Self::BSpline | Self::Gaussian => 2.0,
+            Self::BSpline | Self::Gaussian | Self::CatmullRom | Self::ProductGaussian => 2.0,
+            Self::Box => 0.5,
             Self::Cone => 1.6,
             Self::Sinc => 3.0,
         }
@@ -48,7 +83,7 @@ impl Shape {
 
     /// True if it is a product along the axes.
     pub fn is_separable(self) -> bool {
-        matches!(self, Self::Bilinear | Self::BSpline | Self::Sinc)
+        !matches!(self, Self::Gaussian | Self::Cone)
     }
 }
 
@@ -59,7 +94,7 @@ pub struct SplatKernel {
     pub shape: Shape,
     /// Reach in voxels; 0: its shape's own.
     pub radius: f64,
-    /// Standard deviation of a Gaussian, in voxels.
+    /// Standard deviation of Gaussians, in voxels.
     pub sigma: f64,
     /// Factors on the widths along the volume's x, y and z.
     pub width: [f64; 3],
@@ -100,6 +135,9 @@ impl SplatKernel {
             Shape::Gaussian => Profile::gaussian(radius / self.sigma),
             Shape::Cone => Profile::cone(),
             Shape::Sinc => Profile::sinc(radius),
+            Shape::Box => Profile::Box,
+            Shape::CatmullRom => Profile::CatmullRom,
+            Shape::ProductGaussian => Profile::product_gaussian(radius / self.sigma),
         }
     }
 }

@@ -50,6 +50,9 @@ mod tests {
             (Shape::Gaussian, 0.005, 0.01),
             (Shape::Cone, 0.1, 0.15),
             (Shape::Sinc, 0.005, 0.01),
+            (Shape::Box, 0.0, 1e-12),
+            (Shape::CatmullRom, 0.0, 1e-12),
+            (Shape::ProductGaussian, 0.001, 0.05),
         ] {
             let error = SplatKernel::new(shape).partition_error();
             println!("{shape:?}: {error:.2e}");

@@ -15,6 +15,31 @@ pub(crate) enum Profile {
     BSpline,
     /// Π of windowed sincs.
     Sinc(WindowedSinc),
+    /// The cube itself.
+    Box,
+    /// Π of Catmull-Rom cubics.
+    CatmullRom,
+    /// Π of Gaussians.
+    Gaussian(LoweredGaussian),
+}
+
+/// e^(−½ (deviations·t)²) along an axis, lowered so that it ends in 0 at ±1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LoweredGaussian {
+    deviations: f64,
+    factor: f64,
+}
+
+impl LoweredGaussian {
+    pub(crate) fn at(self, t: f64) -> f64 {
+        let e = 0.5 * self.deviations * self.deviations;
+        if t.abs() >= 1.0 { 0.0 } else { self.factor * libm::exp(-e) * libm::expm1(e * (1.0 - t) * (1.0 + t)) }
+    }
+
+    fn slope(self, t: f64) -> f64 {
+        let square = self.deviations * self.deviations;
+        if t.abs() >= 1.0 { 0.0 } else { -self.factor * square * t * libm::exp(-0.5 * square * t * t) }
+    }
 }
 
 /// sinc(x)·sinc(x / zeros) along an axis (Lanczos' window), stretched to [−1, 1].
@@ -27,6 +52,14 @@ pub(crate) struct WindowedSinc {
 impl WindowedSinc {
     pub(crate) fn at(self, t: f64) -> f64 {
         if t.abs() >= 1.0 { 0.0 } else { self.factor * sinc(t * self.zeros) * sinc(t) }
+    }
+
+    fn slope(self, t: f64) -> f64 {
+        if t.abs() >= 1.0 {
+            return 0.0;
+        }
+        let wave = self.zeros * sinc_slope(t * self.zeros) * sinc(t);
+        self.factor * (wave + sinc(t * self.zeros) * sinc_slope(t))
     }
 }
 
@@ -59,6 +92,18 @@ pub(crate) fn cubic(t: f64) -> f64 {
     2.0 * (outer * outer * outer - 4.0 * inner * inner * inner) / 6.0
 }
 
+/// 1 in [−1, 1), with an integral of 1: boxes side by side leave no place out.
+fn uniform(t: f64) -> f64 {
+    if (-1.0..1.0).contains(&t) { 0.5 } else { 0.0 }
+}
+
+/// The Catmull-Rom cubic (Keys 1981, a = −½), stretched to [−1, 1] with an integral of 1.
+fn catmull_rom(t: f64) -> f64 {
+    let x = 2.0 * t.abs();
+    let (outer, inner) = ((2.0 - x).max(0.0), (1.0 - x).max(0.0));
+    outer * outer * (1.0 - x) + 2.0 * inner * inner * (2.0 * x - 1.0)
+}
+
 impl Profile {
     pub(crate) fn gaussian(deviations: f64) -> Self {
         // 4π ∫ t² (e^(−at²) − e^(−a)) dt; ∫ t² e^(−at²) dt = (√(π/a) erf(√a) − 2 e^(−a)) / 4a.
@@ -78,12 +123,39 @@ impl Profile {
         Self::Sinc(WindowedSinc { zeros, factor: 1.0 / integral })
     }
 
+    pub(crate) fn product_gaussian(deviations: f64) -> Self {
+        let raw = LoweredGaussian { deviations, factor: 1.0 };
+        let integral = 2.0 * quadrature(0.0, 1.0, 16, |t| raw.at(t));
+        Self::Gaussian(LoweredGaussian { deviations, factor: 1.0 / integral })
+    }
+
     pub(crate) fn point(kernel: PointKernel) -> Self {
         Self::Radial(Radial { form: Form::Point(kernel), factor: 1.0 })
     }
 }
 
 impl Radial {
+    /// True for a cone, of a grid or of points.
+    pub(crate) fn is_cone(&self) -> bool {
+        matches!(self.form, Form::Cone | Form::Point(PointKernel::Cone))
+    }
+
+    /// W'(t), for t ≥ 0, of a kernel of a grid.
+    fn slope(&self, t: f64) -> f64 {
+        if t >= 1.0 {
+            return 0.0;
+        }
+        self.factor
+            * match self.form {
+                Form::Gaussian(deviations) => {
+                    let square = deviations * deviations;
+                    -square * t * libm::exp(-0.5 * square * t * t)
+                }
+                Form::Cone => -1.0,
+                Form::Point(_) => unreachable!("points have gradients of their own"),
+            }
+    }
+
     /// The kernel of scattered points; `None` for kernels of grids.
     pub(crate) fn point(&self) -> Option<PointKernel> {
         match self.form {
@@ -138,6 +210,11 @@ fn sinc(x: f64) -> f64 {
     if x.abs() < 1e-4 { 1.0 - x * x / 6.0 } else { libm::sin(x) / x }
 }
 
+/// Derivative of sin(πx) / (πx).
+fn sinc_slope(x: f64) -> f64 {
+    if x.abs() < 1e-4 { -PI * PI * x / 3.0 } else { (libm::cos(PI * x) - sinc(x)) / x }
+}
+
 /// Gauss-Legendre of five points on each of so many parts.
 pub(crate) fn quadrature(from: f64, to: f64, parts: usize, f: impl Fn(f64) -> f64) -> f64 {
     const NODES: [(f64, f64); 3] = [
@@ -175,12 +252,13 @@ impl Profile {
                 let z = |s: f64| (s - nearest) * length;
                 (radial.along_line(b, z(to)) - radial.along_line(b, z(from))) / length
             }
-            Self::Bilinear | Self::BSpline | Self::Sinc(_) => {
+            _ => {
                 let [mut start, mut end] = [from, to];
                 let mut cuts = Vec::new();
                 let (knots, parts): (&[f64], usize) = match self {
                     Self::Bilinear => (&[0.0], 1),
-                    Self::BSpline => (&[-0.5, 0.0, 0.5], 1),
+                    Self::BSpline | Self::CatmullRom => (&[-0.5, 0.0, 0.5], 1),
+                    Self::Box => (&[], 1),
                     // Smooth, and of a few waves.
                     _ => (&[], 16),
                 };
@@ -209,6 +287,38 @@ impl Profile {
         }
     }
 
+    /// The kernel at a place, and its slopes; at a kink the mean of both sides' slopes, of a kernel of a grid.
+    pub(crate) fn with_slope(&self, t: [f64; 3]) -> (f64, [f64; 3]) {
+        if let Self::Radial(radial) = self {
+            let distance = (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).sqrt();
+            let by_distance = if distance > 0.0 { radial.slope(distance) / distance } else { 0.0 };
+            return (radial.at(distance), t.map(|x| by_distance * x));
+        }
+        let along = t.map(|t| self.along_axis(t));
+        let other = |a: usize, b: usize| along[a][0] * along[b][0];
+        let slopes = [along[0][1] * other(1, 2), along[1][1] * other(0, 2), along[2][1] * other(0, 1)];
+        (along[0][0] * other(1, 2), slopes)
+    }
+
+    /// Value and slope of a product's factor along an axis.
+    fn along_axis(&self, t: f64) -> [f64; 2] {
+        let (x, sign) = (2.0 * t.abs(), if t == 0.0 { 0.0 } else { t.signum() });
+        let (outer, inner) = ((2.0 - x).max(0.0), (1.0 - x).max(0.0));
+        match self {
+            Self::Bilinear => [tent(t), if t.abs() < 1.0 { -sign } else { 0.0 }],
+            Self::BSpline => [cubic(t), -sign * 2.0 * (outer * outer - 4.0 * inner * inner)],
+            Self::Box => [uniform(t), 0.0],
+            Self::CatmullRom => {
+                let beyond = -2.0 * outer * (1.0 - x) - outer * outer;
+                let within = -4.0 * inner * (2.0 * x - 1.0) + 4.0 * inner * inner;
+                [catmull_rom(t), 2.0 * sign * (beyond + within)]
+            }
+            Self::Sinc(sinc) => [sinc.at(t), sinc.slope(t)],
+            Self::Gaussian(gaussian) => [gaussian.at(t), gaussian.slope(t)],
+            Self::Radial(_) => unreachable!("no product"),
+        }
+    }
+
     /// The kernel at a place.
     pub(crate) fn at(&self, t: [f64; 3]) -> f64 {
         match self {
@@ -216,6 +326,9 @@ impl Profile {
             Self::Bilinear => t.map(tent).into_iter().product(),
             Self::BSpline => t.map(cubic).into_iter().product(),
             Self::Sinc(sinc) => t.map(|t| sinc.at(t)).into_iter().product(),
+            Self::Box => t.map(uniform).into_iter().product(),
+            Self::CatmullRom => t.map(catmull_rom).into_iter().product(),
+            Self::Gaussian(gaussian) => t.map(|t| gaussian.at(t)).into_iter().product(),
         }
     }
 }
@@ -227,7 +340,8 @@ mod tests {
     fn all() -> Vec<Profile> {
         let mut all = vec![Profile::gaussian(2.0 / 0.7), Profile::cone()];
         all.extend(PointKernel::ALL.map(Profile::point));
-        all.extend([Profile::Bilinear, Profile::BSpline, Profile::sinc(3.0)]);
+        all.extend([Profile::Bilinear, Profile::BSpline, Profile::sinc(3.0), Profile::CatmullRom]);
+        all.push(Profile::product_gaussian(2.0 / 0.7));
         all
     }
 

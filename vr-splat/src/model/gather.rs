@@ -4,6 +4,7 @@ use glam::{DMat3, DVec3};
 use vr_core::filter::Lattice;
 use vr_core::{GridVolume, LatticeVisitor, Ray, Voxel};
 
+use crate::ghosts::{BEYOND, Ghosts};
 use crate::input::SplatInput;
 use crate::kernel::Profile;
 use crate::projection::SplatView;
@@ -76,10 +77,11 @@ impl Line {
         if step.abs() < 1e-12 { 0.0 } else { (f64::from(layer) - self.index[0][axis]) / step }
     }
 
-    /// True if a grid's cell at a depth is vacuum.
-    pub(crate) fn in_vacuum(&self, input: &SplatInput, depth: f64) -> bool {
+    /// True if a grid's cell at a depth, so many voxels on, is vacuum.
+    pub(crate) fn in_vacuum(&self, input: &SplatInput, depth: f64, ahead: f64) -> bool {
         let SplatInput::Grid(grid) = input else { return false };
-        grid.vacuum_cells().is_some_and(|cells| cells.contains(self.index_at(grid, depth).to_array()))
+        let place = self.index_at(grid, depth) + DVec3::splat(ahead);
+        grid.vacuum_cells().is_some_and(|cells| cells.contains(place.to_array()))
     }
 }
 
@@ -91,6 +93,8 @@ pub(crate) struct ExactSplat {
     /// A calibrated value.
     pub(crate) value: f64,
     pub(crate) sheet: u32,
+    /// A voxel's place in its grid.
+    pub(crate) index: [usize; 3],
 }
 
 impl ExactSplat {
@@ -131,17 +135,22 @@ pub(crate) fn gather(
     view: &SplatView,
     line: &Line,
     own: Option<&OwnSheets>,
+    ghosts: Option<&Ghosts>,
 ) -> Vec<ExactSplat> {
     match input {
         SplatInput::Grid(grid) => {
             let (origin, steps) = lattice_in_view(grid, view);
             let missing = missing(grid);
             let calibration = grid.calibration();
-            let near = NearLine { index: line.index, reach: renderer.kernel.reach() };
-            let found = grid.with_lattice(near);
+            let beyond = DVec3::splat(ghosts.map_or(0.0, |_| BEYOND as f64));
+            let near = NearLine { index: [line.index[0] + beyond, line.index[1]], reach: renderer.kernel.reach() };
+            let found = match ghosts {
+                Some(ghosts) => near.visit(ghosts.lattice()),
+                None => grid.with_lattice(near),
+            };
             let weight = 1.0 / renderer.kernel.reach().into_iter().product::<f64>();
             let splat = |(at, stored): ([usize; 3], f64)| {
-                let place = origin + (0..3).map(|a| steps[a] * at[a] as f64).sum::<DVec3>();
+                let place = origin + (0..3).map(|a| steps[a] * (at[a] as f64 - beyond[a])).sum::<DVec3>();
                 let size = view.kernel.axes.determinant().abs().cbrt();
                 let scale = 1.0 / 1f64.hypot(renderer.low_pass * view.pixel_at(place.z) * size);
                 ExactSplat {
@@ -150,6 +159,7 @@ pub(crate) fn gather(
                     weight: weight * scale * scale * scale,
                     value: calibration.value(stored),
                     sheet: own.map_or(0, |own| own.order[at[own.axis]]),
+                    index: at,
                 }
             };
             let [nx, ny, _] = grid.dims();
@@ -168,6 +178,7 @@ pub(crate) fn gather(
                     weight: f64::from(points.weights()[k]) / (radius * radius * radius),
                     value: f64::from(points.values()[k]),
                     sheet: 0,
+                    index: [0; 3],
                 }
             };
             let met = |s: &ExactSplat| {

@@ -1,20 +1,37 @@
 //! The renderer's model along a ray, in f64: sheet by sheet, or splat by splat.
 
 mod gather;
+#[cfg(test)]
+mod picked;
 
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use vr_core::{Control, DiscreteModel, IndexRay, Layer, Ray, Rays, RenderError, Scene, SegmentTerm, View};
+use vr_core::{Compositing, Control, DiscreteModel, IndexRay, Layer, Ray, Rays, RenderError, Scene, SegmentTerm, View};
 
+use crate::ghosts::Ghosts;
+use crate::gradient_optics::GradientOptics;
 use crate::input::{SplatInput, profile};
 use crate::kernel::Profile;
 use crate::projection::SplatView;
-use crate::sheets::{ImageSheets, OwnSheets, is_boxed, splat_view};
-use crate::splatter::{Buffers, Splatter};
+use crate::shading::{Gradients, world_gradient};
+use crate::sheets::{AT_LAYER, ImageSheets, MIN_MET, OwnSheets, is_boxed, splat_view};
+use crate::splatter::{Buffers, CompositingOrder, Splatter};
+use crate::voxel_lights::Sight;
 use crate::voxel_optics::optics_of;
 
 use gather::{ExactSplat, Line, gather};
+
+/// What a ray meets of a sheet, or of a sample on its own.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Part {
+    /// θ and b of what was classified before.
+    Light(SegmentTerm),
+    /// A value over a length, at a depth.
+    Value { value: f64, length: f64, depth: f64 },
+    /// Nothing, in a cell that is missing.
+    Vacuum,
+}
 
 /// The terms of every ray: θ and b of each sheet or splat.
 pub(crate) struct SplatModel {
@@ -25,6 +42,8 @@ pub(crate) struct SplatModel {
     seen: SplatView,
     input: SplatInput,
     layer: Option<Layer>,
+    sight: Sight,
+    ghosts: Option<Ghosts>,
 }
 
 impl SplatModel {
@@ -44,6 +63,8 @@ impl SplatModel {
             seen: splat_view(renderer, scene, input, &coarse)?,
             input: input.clone(),
             layer: scene.layer(view, &Control::default())?,
+            sight: Sight::new(view)?,
+            ghosts: Ghosts::new(renderer, input),
         })
     }
 
@@ -56,7 +77,7 @@ impl SplatModel {
             layer.depth((row * view.size[0] + column) as usize)
         });
         match input {
-            SplatInput::Grid(grid) if is_boxed(&self.renderer, input) => {
+            SplatInput::Grid(grid) if is_boxed(&self.renderer, &self.scene, input) => {
                 let inside = IndexRay::new(ray, grid.placement(), grid.dims(), &view.clip, layer)?;
                 Some([inside.start, inside.end].map(|s| depth(s + inside.offset)))
             }
@@ -76,61 +97,102 @@ impl SplatModel {
     /// θ and b of a homogeneous piece of a value, classified and shaded at a depth.
     fn step(&self, line: &Line, depth: f64, value: f64, length: f64) -> SegmentTerm {
         let mut light = self.scene.transfer.step(value, length);
-        if let (Some(shading), SplatInput::Grid(grid)) = (self.scene.reflection(), &self.input) {
-            let gradient = DVec3::from(grid.central_differences_at(line.index_at(grid, depth).to_array()));
-            let world = grid.placement().gradient_to_world(gradient);
-            light = shading.along(&self.scene.lights, line.direction).shade(light, world.to_array());
+        if let (Some(optics), SplatInput::Grid(grid)) = (GradientOptics::new(&self.scene), &self.input) {
+            let place = line.index_at(grid, depth).to_array();
+            let world = world_gradient(grid, Gradients::new(&optics.shading, &self.renderer, grid).at(grid, place));
+            if optics.follows {
+                light = optics.step(value, world.length(), length);
+            }
+            if optics.reflects {
+                let along = optics.shading.along(&self.scene.lights, line.direction);
+                light = along.shade(light, world.to_array());
+            }
         }
         let [r, g, b, alpha] = light;
         SegmentTerm { transparency: 1.0 - alpha, light: [r, g, b] }
     }
-}
 
-impl DiscreteModel for SplatModel {
-    fn segments(&self, x: f64, y: f64) -> Vec<SegmentTerm> {
-        let Self { view, rays, seen, input, .. } = self;
-        let ray = rays.at(x, y);
-        let line = Line::new(seen, input, &ray, [x, y]);
-        let Some(ends) = self.ends(&ray, &line) else { return Vec::new() };
+    /// (q, κ) of a splat that is classified itself, per world unit.
+    fn optics(&self, splat: &ExactSplat) -> [f64; 4] {
+        let (Some(optics), SplatInput::Grid(grid)) = (GradientOptics::new(&self.scene), &self.input) else {
+            return optics_of(&self.scene.transfer, splat.value);
+        };
+        let place = splat.index.map(|x| x as f64);
+        let world = world_gradient(grid, Gradients::new(&optics.shading, &self.renderer, grid).at(grid, place));
+        let row = optics.of_voxel(splat.value, world.length());
+        if !optics.reflects {
+            return row;
+        }
+        let towards = self.sight.towards(grid.placement().to_world(DVec3::from_array(place)));
+        optics.shading.along(&self.scene.lights, towards).shade(row, world.to_array())
+    }
+
+    /// All that the ray through a point of the image meets, in the order of compositing.
+    fn parts(&self, line: &Line, ends: [f64; 2]) -> Vec<Part> {
+        let Self { view, seen, input, .. } = self;
         let own = match (input, self.renderer.buffers) {
             (SplatInput::Grid(grid), Buffers::Axis) => OwnSheets::new(&self.renderer, grid, view).ok(),
             _ => None,
         };
-        let splats = gather(&self.renderer, input, seen, &line, own.as_ref());
+        let picks = !self.scene.compositing.integrates_light();
+        let splats = gather(&self.renderer, input, seen, line, own.as_ref(), self.ghosts.as_ref());
         let profile = profile(&self.renderer, input);
-        let whole = |s: &ExactSplat| s.section(&profile, &line, ends[0], ends[1]);
-        let mut terms = match self.renderer.buffers {
+        let whole = |s: &ExactSplat| s.section(&profile, line, ends[0], ends[1]);
+        match self.renderer.buffers {
             Buffers::Samples => {
                 let mut splats = splats;
                 splats.sort_by(|a, b| (a.place.z as f32).total_cmp(&(b.place.z as f32)));
-                let one = |s: &ExactSplat| self.lit(std::iter::once((s, whole(s))));
-                splats.iter().map(one).collect()
+                // A mean weighs what it takes, however little.
+                let takes_all = !picks || self.scene.compositing == Compositing::Average;
+                let met = |s: &&ExactSplat| takes_all || whole(s) > MIN_MET * seen.unit;
+                let one = |s: &ExactSplat| {
+                    if picks {
+                        // On its own, a sample has its own value wherever its kernel is met.
+                        return Part::Value { value: s.value, length: whole(s), depth: s.place.z };
+                    }
+                    Part::Light(self.lit(std::iter::once((s, whole(s)))))
+                };
+                splats.iter().filter(met).map(one).collect()
             }
             Buffers::Axis => {
                 let mut sheets: BTreeMap<u32, Vec<(&ExactSplat, f64)>> = BTreeMap::new();
                 for s in &splats {
                     sheets.entry(s.sheet).or_default().push((s, whole(s)));
                 }
-                let term = |(turn, sheet): (&u32, &Vec<(&ExactSplat, f64)>)| {
+                let part = |(turn, sheet): (&u32, &Vec<(&ExactSplat, f64)>)| {
                     let parts = sheet.iter().copied();
                     if self.renderer.splats_light() {
-                        return self.lit(parts);
+                        return Part::Light(self.lit(parts));
                     }
                     let length: f64 = parts.clone().map(|(_, w)| w).sum();
                     let sum: f64 = parts.map(|(s, w)| w * s.value).sum();
                     let depth = own.as_ref().map_or(0.0, |own| line.depth_at(own.axis, own.layers[*turn as usize]));
                     // Where a sheet is sampled there may be nothing.
-                    if length > 0.0 && !line.in_vacuum(input, depth) {
-                        self.step(&line, depth, sum / length, length)
+                    if length > 0.0 && !line.in_vacuum(input, depth, AT_LAYER) {
+                        Part::Value { value: sum / length, length, depth }
                     } else {
-                        Self::term([0.0; 3], 0.0)
+                        Part::Vacuum
                     }
                 };
-                sheets.iter().map(term).collect()
+                sheets.iter().map(part).collect()
             }
-            Buffers::Image => self.image_sheets(&line, &profile, &splats, ends),
+            Buffers::Image => self.image_sheets(line, &profile, &splats, ends),
+        }
+    }
+}
+
+impl DiscreteModel for SplatModel {
+    fn segments(&self, x: f64, y: f64) -> Vec<SegmentTerm> {
+        let ray = self.rays.at(x, y);
+        let line = Line::new(&self.seen, &self.input, &ray, [x, y]);
+        let Some(ends) = self.ends(&ray, &line) else { return Vec::new() };
+        let term = |part: Part| match part {
+            Part::Light(term) => term,
+            Part::Value { value, length, depth } => self.step(&line, depth, value, length),
+            Part::Vacuum => Self::term([0.0; 3], 0.0),
         };
-        if own.is_some() && self.renderer.order == crate::splatter::CompositingOrder::BackToFront {
+        let mut terms: Vec<SegmentTerm> = self.parts(&line, ends).into_iter().map(term).collect();
+        if self.renderer.buffers == Buffers::Axis && self.renderer.order == CompositingOrder::BackToFront {
             terms.reverse();
         }
         terms
@@ -142,7 +204,7 @@ impl SplatModel {
     fn lit<'s>(&self, parts: impl Iterator<Item = (&'s ExactSplat, f64)>) -> SegmentTerm {
         let (mut light, mut tau) = ([0.0; 3], 0.0);
         for (splat, weight) in parts {
-            let optics = optics_of(&self.scene.transfer, splat.value);
+            let optics = self.optics(splat);
             for c in 0..3 {
                 light[c] += weight * optics[c];
             }
@@ -152,13 +214,7 @@ impl SplatModel {
         if tau < 0.0 { Self::term([0.0; 3], 0.0) } else { Self::term(light, tau) }
     }
 
-    fn image_sheets(
-        &self,
-        line: &Line,
-        profile: &Profile,
-        splats: &[ExactSplat],
-        [near, far]: [f64; 2],
-    ) -> Vec<SegmentTerm> {
+    fn image_sheets(&self, line: &Line, profile: &Profile, splats: &[ExactSplat], [near, far]: [f64; 2]) -> Vec<Part> {
         let Self { input, seen, .. } = self;
         let Ok(sheets) = ImageSheets::new(&self.renderer, &self.scene.volume, input, seen) else { return Vec::new() };
         let half = seen.half_depth();
@@ -170,8 +226,8 @@ impl SplatModel {
                 parts.entry(sheet).or_default().push(s);
             }
         }
-        // One term a sheet, front to back.
-        let mut terms = Vec::new();
+        // One part a sheet, front to back.
+        let mut found = Vec::new();
         for (sheet, parts) in parts {
             let [from, to] = [sheet, sheet + 1].map(|k| (f64::from(k) * sheets.distance).max(near).min(far));
             if from >= to {
@@ -189,7 +245,7 @@ impl SplatModel {
             };
             let weighed = parts.iter().map(|s| (*s, section(s)));
             if self.renderer.splats_light() {
-                terms.push(self.lit(weighed));
+                found.push(Part::Light(self.lit(weighed)));
                 continue;
             }
             let (mut sum, mut weight) = (0.0, 0.0);
@@ -207,10 +263,12 @@ impl SplatModel {
                 let covered = (back - front).max(0.0) * line.stretch;
                 (covered, covered)
             };
-            if divisor > 0.0 && !line.in_vacuum(input, middle) {
-                terms.push(self.step(line, middle, sum / divisor, length));
+            if divisor > 0.0 && !line.in_vacuum(input, middle, 0.0) {
+                found.push(Part::Value { value: sum / divisor, length, depth: middle });
+            } else if divisor > 0.0 {
+                found.push(Part::Vacuum);
             }
         }
-        terms
+        found
     }
 }

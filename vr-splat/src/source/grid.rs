@@ -17,6 +17,8 @@ pub(crate) struct Spread {
     pub(crate) low_pass: f64,
     /// Subtracted from stored numbers.
     pub(crate) offset: f32,
+    /// Number of the lattice's voxels before the placement's first.
+    pub(crate) beyond: usize,
 }
 
 /// The visible voxels of a grid, in a view.
@@ -30,6 +32,8 @@ pub(crate) struct GridSplats<'a, T> {
     spread: Spread,
     /// The axis whose layers are sheets, and the place of each in the order of sheets.
     sheets: Option<(usize, &'a [u32])>,
+    /// Numbers of the first visible voxels of layers, where splats carry those in the place of values.
+    numbers: Option<&'a [u32]>,
 }
 
 impl<'a, T: Voxel> GridSplats<'a, T> {
@@ -40,11 +44,12 @@ impl<'a, T: Voxel> GridSplats<'a, T> {
         placement: &Placement,
         spread: Spread,
         sheets: Option<(usize, &'a [u32])>,
+        numbers: Option<&'a [u32]>,
     ) -> Self {
         let axes = placement.axes();
         let steps = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| view.place_of_vector(axis));
-        let origin = view.place(placement.origin());
-        Self { lattice, visible, view, origin, steps, spread, sheets }
+        let origin = view.place(placement.to_world(DVec3::splat(-(spread.beyond as f64))));
+        Self { lattice, visible, view, origin, steps, spread, sheets, numbers }
     }
 }
 
@@ -59,9 +64,10 @@ impl<T: Voxel> Source for GridSplats<'_, T> {
 
     fn splats(&self, chunk: usize, emit: &mut dyn FnMut(Splat, u32)) {
         let [nx, ny, _] = self.lattice.dims;
-        let Spread { reach, low_pass, offset } = self.spread;
+        let Spread { reach, low_pass, offset, .. } = self.spread;
         let whole = 1.0 / (reach[0] * reach[1] * reach[2]);
         let size = self.view.kernel.axes.determinant().abs().cbrt();
+        let mut number = self.numbers.map(|starts| starts[chunk]);
         for run in &self.visible.layers[chunk] {
             let index = [usize::from(run.x), usize::from(run.y), chunk];
             let row = self.origin + self.steps[1] * index[1] as f64 + self.steps[2] * index[2] as f64;
@@ -77,15 +83,15 @@ impl<T: Voxel> Source for GridSplats<'_, T> {
                 }
                 let sheet =
                     self.sheets.map_or(0, |(axis, order)| order[if axis == 0 { index[0] + i } else { index[axis] }]);
-                emit(
-                    Splat {
-                        place: place.as_vec3().to_array(),
-                        scale: scale as f32,
-                        weight: weight as f32,
-                        value: samples[i].to_f32() - offset,
-                    },
-                    sheet,
-                );
+                let value = match &mut number {
+                    Some(number) => {
+                        *number += 1;
+                        f32::from_bits(*number - 1)
+                    }
+                    None => samples[i].to_f32() - offset,
+                };
+                let (scale, weight) = (scale as f32, weight as f32);
+                emit(Splat { place: place.as_vec3().to_array(), scale, weight, value }, sheet);
             }
         }
     }

@@ -2,12 +2,15 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_kernels::vector::{LANES, Lanes, Operator, opacity_of_depth, pick, source_weight, splat, step_light};
+use vr_kernels::vector::{
+    LANES, Lanes, Operator, StepOptics, opacity_of_depth, pick, source_weight, splat, step_light,
+};
 
-use crate::visible::CellBits;
+use crate::shading::Pieces;
+use crate::sheets::AT_LAYER;
 
 use super::Tile;
-use super::painter::{Classifier, Content};
+use super::painter::{Classifier, Content, VisibleCells};
 
 impl Tile<'_> {
     /// Classifies what a sheet between two depths holds in a block, and takes it in.
@@ -45,8 +48,8 @@ impl Tile<'_> {
                 let value = sum / pick(there, divisor, one);
                 let inside = there;
                 // Nothing is taken from cells in which nothing can be seen.
-                if let Some((cells, dims)) = cells {
-                    let visible = self.in_visible_cells(simd, number, depth, cells, *dims);
+                if let Some(cells) = cells {
+                    let visible = self.in_visible_cells(simd, number, depth, cells);
                     there &= Lanes(visible).load(simd).simd_gt(zero);
                 }
                 if operator.picks() {
@@ -56,17 +59,21 @@ impl Tile<'_> {
                 if !there.any_true() {
                     return;
                 }
-                // Light of the value over the length, then its shading.
+                // Light of the value over the length, then the gradient's part in it.
                 let length = pick(there, length, zero);
+                let per_unit = 1.0 / painter.view.unit as f32;
+                let follows = shader.is_some_and(|shader| shader.follows());
+                let mut step = None;
                 let light = match classifier {
                     Classifier::Table(optics) => {
-                        let unit = 1.0 / painter.view.unit as f32;
-                        step_light(simd, optics.rows().at(simd, value), length * unit, optics.emits)
+                        let row = optics.rows().at(simd, value);
+                        if follows {
+                            let row = [Lanes::new(row[0]), Lanes::new(row[1]), Lanes::new(row[2]), Lanes::new(row[3])];
+                            step = Some(StepOptics { row, length: Lanes::new(length * per_unit), emits: optics.emits });
+                        }
+                        step_light(simd, row, length * per_unit, optics.emits)
                     }
-                    Classifier::Ramps(ramps) => {
-                        let unit = 1.0 / painter.view.unit as f32;
-                        ramps.step(simd, value, length * unit)
-                    }
+                    Classifier::Ramps(ramps) => ramps.step(simd, value, length * per_unit),
                     Classifier::Exact(step) => {
                         let (value, length) = (value.to_array(), length.to_array());
                         let mut light = [Lanes::ZERO; 4];
@@ -80,10 +87,13 @@ impl Tile<'_> {
                     }
                 };
                 match shader {
-                    Some(shader) if light[3].simd_gt(zero).any_true() => {
-                        let mut lanes = light.map(Lanes::new);
+                    Some(shader) if follows || light[3].simd_gt(zero).any_true() => {
+                        let mut lanes =
+                            [Lanes::new(light[0]), Lanes::new(light[1]), Lanes::new(light[2]), Lanes::new(light[3])];
                         let place = self.place(simd, number, depth);
-                        shader.shade(simd, &self.lights[number], place, &mut lanes);
+                        let (value, length) = (Lanes::new(value), Lanes::new(length));
+                        let pieces = Pieces { place, value, length, optics: step };
+                        shader.shade(simd, &self.lights[number], &pieces, &mut lanes);
                         [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)]
                     }
                     _ => light,
@@ -125,15 +135,17 @@ impl Tile<'_> {
         simd: S,
         number: usize,
         depth: f32x16<S>,
-        cells: &CellBits,
-        dims: [usize; 3],
+        cells: &VisibleCells<'_>,
     ) -> [f32; LANES] {
+        let &VisibleCells { bits, dims, beyond } = cells;
+        // A layer lies between two cells: of the volume's own sheets, the one behind it counts, whatever rounding does.
+        let ahead = beyond as f32 + if self.painter.layers.is_some() { AT_LAYER as f32 } else { 0.0 };
         let index = self.place(simd, number, depth);
         let mut visible = [0.0; LANES];
         for i in 0..LANES {
             // `as` saturates at 0.
-            let cell = |a: usize| (index[a].0[i] as usize).min(dims[a] - 2);
-            visible[i] = if cells.is_visible(cell(0), cell(1), cell(2)) { 1.0 } else { 0.0 };
+            let cell = |a: usize| ((index[a].0[i] + ahead) as usize).clamp(beyond, dims[a] - 2 - beyond);
+            visible[i] = if bits.is_visible(cell(0), cell(1), cell(2)) { 1.0 } else { 0.0 };
         }
         visible
     }

@@ -5,7 +5,7 @@ use fearless_simd::{Simd, f32x16, i32x16};
 use vr_kernels::vector::{LANES, Lanes, pick, splat};
 
 use crate::chord_table::ChordTable;
-use crate::kernel::{Profile, WindowedSinc};
+use crate::kernel::Profile;
 use crate::projection::SplatView;
 use crate::section_table::SectionTable;
 use crate::splat::Splat;
@@ -18,13 +18,16 @@ pub(crate) enum FootprintKernel {
     Smooth(SectionTable, ChordTable),
     Bilinear,
     BSpline,
-    Sinc(SincTable),
+    Box,
+    CatmullRom,
+    /// A product of windowed sincs or Gaussians.
+    Tabulated(AxisTable),
 }
 
-/// A windowed sinc over |t| in [0, 1], at equal distances, the last entry twice.
-pub(crate) struct SincTable(Vec<f32>);
+/// A kernel along one axis over |t| in [0, 1], at equal distances, the last entry twice.
+pub(crate) struct AxisTable(Vec<f32>);
 
-/// Number of intervals of a [`SincTable`].
+/// Number of intervals of an [`AxisTable`].
 const INTERVALS: usize = 4096;
 
 impl FootprintKernel {
@@ -36,14 +39,17 @@ impl FootprintKernel {
             },
             Profile::Bilinear => Self::Bilinear,
             Profile::BSpline => Self::BSpline,
-            Profile::Sinc(sinc) => Self::Sinc(SincTable::new(sinc)),
+            Profile::Box => Self::Box,
+            Profile::CatmullRom => Self::CatmullRom,
+            Profile::Sinc(sinc) => Self::Tabulated(AxisTable::new(|t| sinc.at(t))),
+            Profile::Gaussian(gaussian) => Self::Tabulated(AxisTable::new(|t| gaussian.at(t))),
         }
     }
 }
 
-impl SincTable {
-    fn new(sinc: &WindowedSinc) -> Self {
-        let entry = |i: usize| sinc.at(i as f64 / INTERVALS as f64) as f32;
+impl AxisTable {
+    fn new(kernel: impl Fn(f64) -> f64) -> Self {
+        let entry = |i: usize| kernel(i as f64 / INTERVALS as f64) as f32;
         Self((0..=INTERVALS).chain([INTERVALS]).map(entry).collect())
     }
 
@@ -166,35 +172,37 @@ impl<S: Simd> Crossing<S> {
         Self { at: place, step, depth: at.place[2] }
     }
 
+    /// Places in kernel space at a depth.
+    #[inline(always)]
+    fn place(&self, depth: f32x16<S>) -> [f32x16<S>; 3] {
+        let ahead = depth - self.depth;
+        [self.at[0] + ahead * self.step[0], self.at[1] + ahead * self.step[1], self.at[2] + ahead * self.step[2]]
+    }
+
     /// W of linear weights at a depth.
     #[inline(always)]
     pub(crate) fn bilinear(&self, simd: S, depth: f32x16<S>) -> f32x16<S> {
-        let ahead = depth - self.depth;
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let x = (one - (self.at[0] + ahead * self.step[0]).abs()).max(zero);
-        let y = (one - (self.at[1] + ahead * self.step[1]).abs()).max(zero);
-        let z = (one - (self.at[2] + ahead * self.step[2]).abs()).max(zero);
+        let [x, y, z] = self.place(depth);
+        let (x, y, z) = ((one - x.abs()).max(zero), (one - y.abs()).max(zero), (one - z.abs()).max(zero));
         x * y * z
     }
 
-    /// W of cubic B-splines at a depth.
+    /// W of a kernel that is a product along the axes, at a depth.
     #[inline(always)]
-    pub(crate) fn b_spline(&self, simd: S, depth: f32x16<S>) -> f32x16<S> {
-        let ahead = depth - self.depth;
-        let x = cubic(simd, self.at[0] + ahead * self.step[0]);
-        let y = cubic(simd, self.at[1] + ahead * self.step[1]);
-        let z = cubic(simd, self.at[2] + ahead * self.step[2]);
-        x * y * z
-    }
-
-    /// W of windowed sincs at a depth.
-    #[inline(always)]
-    pub(crate) fn sinc(&self, simd: S, table: &SincTable, depth: f32x16<S>) -> f32x16<S> {
-        let ahead = depth - self.depth;
-        let x = table.at(simd, self.at[0] + ahead * self.step[0]);
-        let y = table.at(simd, self.at[1] + ahead * self.step[1]);
-        let z = table.at(simd, self.at[2] + ahead * self.step[2]);
-        x * y * z
+    pub(crate) fn weight(&self, simd: S, kernel: &FootprintKernel, depth: f32x16<S>) -> f32x16<S> {
+        let [x, y, z] = self.place(depth);
+        match kernel {
+            FootprintKernel::Box => {
+                // A hair wider, so that rounding leaves nothing out between two: there both count.
+                let farthest = x.abs().max(y.abs()).max(z.abs());
+                pick(farthest.simd_le(splat(simd, 1.0 + 2e-4)), splat(simd, 0.125), splat(simd, 0.0))
+            }
+            FootprintKernel::CatmullRom => catmull_rom(simd, x) * catmull_rom(simd, y) * catmull_rom(simd, z),
+            FootprintKernel::Tabulated(table) => table.at(simd, x) * table.at(simd, y) * table.at(simd, z),
+            FootprintKernel::Bilinear => self.bilinear(simd, depth),
+            _ => cubic(simd, x) * cubic(simd, y) * cubic(simd, z),
+        }
     }
 
     /// The depths between which rays are inside the cube, within others.
@@ -235,6 +243,15 @@ fn cubic<S: Simd>(simd: S, t: f32x16<S>) -> f32x16<S> {
     (outer * outer * outer - inner * inner * inner * 4.0) * (1.0 / 3.0)
 }
 
+/// The Catmull-Rom cubic, stretched to [−1, 1] with an integral of 1.
+#[inline(always)]
+fn catmull_rom<S: Simd>(simd: S, t: f32x16<S>) -> f32x16<S> {
+    let (zero, one, x) = (splat(simd, 0.0), splat(simd, 1.0), t.abs() * 2.0);
+    let outer = (splat(simd, 2.0) - x).max(zero);
+    let inner = (one - x).max(zero);
+    outer * outer * (one - x) + inner * inner * (x * 4.0 - 2.0)
+}
+
 /// ∫ of a kernel between two depths, in kernel space times depth: by formula or by a rule that is exact for the pieces.
 #[inline(always)]
 pub(crate) fn whole<S: Simd>(
@@ -273,37 +290,26 @@ pub(crate) fn whole<S: Simd>(
             }
             Some(sum)
         }
-        FootprintKernel::BSpline => {
+        _ => {
             let crossing = Crossing::new(simd, axes, block, at);
             let [from, to] = crossing.inside(simd, from, to);
             if !from.simd_lt(to).any_true() {
                 return None;
             }
-            // Twice differentiable: ten parts of three points of Gauss leave 10⁻⁵.
-            let half = (to - from) * 0.05;
+            // Cubics are differentiable, sincs of a few waves: so many parts of three points of Gauss leave 10⁻⁵.
+            let parts = match kernel {
+                FootprintKernel::Box => return Some((to - from) * 0.125),
+                FootprintKernel::Tabulated(_) => 12,
+                _ => 10,
+            };
+            let half = (to - from) * (0.5 / parts as f32);
             let mut sum = splat(simd, 0.0);
-            for part in 0..10 {
+            for part in 0..parts {
                 let middle = from + half * (2 * part + 1) as f32;
                 let aside = half * 0.774_596_7;
-                let ends = crossing.b_spline(simd, middle - aside) + crossing.b_spline(simd, middle + aside);
-                sum += ends * (5.0 / 9.0) + crossing.b_spline(simd, middle) * (8.0 / 9.0);
-            }
-            Some(sum * half)
-        }
-        FootprintKernel::Sinc(table) => {
-            let crossing = Crossing::new(simd, axes, block, at);
-            let [from, to] = crossing.inside(simd, from, to);
-            if !from.simd_lt(to).any_true() {
-                return None;
-            }
-            // A few waves: twelve parts.
-            let half = (to - from) * (0.5 / 12.0);
-            let mut sum = splat(simd, 0.0);
-            for part in 0..12 {
-                let middle = from + half * (2 * part + 1) as f32;
-                let aside = half * 0.774_596_7;
-                let ends = crossing.sinc(simd, table, middle - aside) + crossing.sinc(simd, table, middle + aside);
-                sum += ends * (5.0 / 9.0) + crossing.sinc(simd, table, middle) * (8.0 / 9.0);
+                let ends =
+                    crossing.weight(simd, kernel, middle - aside) + crossing.weight(simd, kernel, middle + aside);
+                sum += ends * (5.0 / 9.0) + crossing.weight(simd, kernel, middle) * (8.0 / 9.0);
             }
             Some(sum * half)
         }

@@ -21,7 +21,7 @@ use footprint::Axes;
 
 pub(crate) use block::Bounds;
 pub(crate) use footprint::FootprintKernel;
-pub(crate) use painter::{Classifier, Content, Drawn, Painter};
+pub(crate) use painter::{Classifier, Content, Drawn, Painter, SplatLight, VisibleCells};
 pub(crate) use state::State;
 
 use painter::Work;
@@ -128,7 +128,7 @@ impl Tile<'_> {
             self.ready |= 1 << number;
             if let Some(shader) = self.painter.shader() {
                 let along = block::directions(self.painter.view, self.column + x * EDGE, self.row + y * EDGE);
-                self.lights[number].look_along(&shader.shading.lights, &along);
+                self.lights[number].look_along(&shader.packet.lights, &along);
             }
             let rays = block.rays();
             self.work.rays += u64::from(rays);

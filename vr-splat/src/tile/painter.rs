@@ -32,6 +32,8 @@ pub(crate) struct Painter<'a> {
     /// Sheets of the volume's own: their axis, and the layer of each.
     pub(crate) layers: Option<(usize, &'a [u32])>,
     pub(crate) content: Content<'a>,
+    /// Smallest integral of a kernel along a ray, in world units, that lets a sample without sheets be picked: rounding must not.
+    pub(crate) min_met: f32,
     /// Transmittance up to which pixels are left as they are.
     pub(crate) negligible: f32,
     pub(crate) level: Level,
@@ -45,15 +47,45 @@ pub(crate) enum Content<'a> {
         /// True if weights are divided out (of a grid), or the length that supports cover (of points): from the first one's front to the last one's
         /// back, in each sheet.
         normalised: bool,
-        /// Cells in which something can be seen at all, and the size of the grid.
-        cells: Option<(&'a CellBits, [usize; 3])>,
+        /// Cells in which something can be seen at all.
+        cells: Option<VisibleCells<'a>>,
         /// Shading of light.
         shader: Option<&'a Shader<'a>>,
     },
     /// Emission and optical depth of what is classified already.
-    Light(&'a VoxelOptics),
+    Light(SplatLight<'a>),
     /// Sums of values over whole kernels alone.
     Sums,
+}
+
+/// Cells in which something can be seen, of a lattice that may have voxels beyond the grid.
+#[derive(Clone, Copy)]
+pub(crate) struct VisibleCells<'a> {
+    pub(crate) bits: &'a CellBits,
+    /// Voxels of the lattice.
+    pub(crate) dims: [usize; 3],
+    /// Number of its voxels before the grid's first.
+    pub(crate) beyond: usize,
+}
+
+/// (q, κ) of splats that are classified already.
+#[derive(Clone, Copy)]
+pub(crate) enum SplatLight<'a> {
+    /// By the value that a splat carries.
+    OfValue(&'a VoxelOptics),
+    /// By the number that it carries, as bits: see [`Splat::value`](crate::splat::Splat::value).
+    OfVoxel(&'a [[f32; 4]]),
+}
+
+impl SplatLight<'_> {
+    /// (q, κ) of a splat by what it carries.
+    #[inline(always)]
+    pub(super) fn at(&self, carried: f32) -> [f32; 4] {
+        match self {
+            Self::OfValue(optics) => optics.at(carried),
+            Self::OfVoxel(rows) => rows[carried.to_bits() as usize],
+        }
+    }
 }
 
 /// Classification of a sheet's values.

@@ -54,7 +54,7 @@ impl Tile<'_> {
         let painter = self.painter;
         let block = &self.blocks[number];
         let (near, far) = (block.near.load(simd), block.far.load(simd));
-        let optics = match painter.content {
+        let optics = match &painter.content {
             Content::Light(optics) => optics.at(splat_.value),
             _ => [0.0; 4],
         };
@@ -94,8 +94,7 @@ impl Tile<'_> {
                     let middle = (start + end) * 0.5;
                     let weight = match kernel {
                         FootprintKernel::Bilinear => crossing.bilinear(simd, middle),
-                        FootprintKernel::Sinc(table) => crossing.sinc(simd, table, middle),
-                        _ => crossing.b_spline(simd, middle),
+                        other => crossing.weight(simd, other, middle),
                     };
                     // Values are divided by weights: lengths, which may be 0, must not be in both.
                     let section = if channels == 2 { weight } else { weight * factor * (end - start) };

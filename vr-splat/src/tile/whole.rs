@@ -34,7 +34,7 @@ impl Tile<'_> {
                 }
             }
             let Some(covered) = self.covered(at) else { continue };
-            let optics = match painter.content {
+            let optics = match &painter.content {
                 Content::Light(optics) => optics.at(at.value),
                 _ => [0.0; 4],
             };
@@ -50,6 +50,12 @@ impl Tile<'_> {
                         let place = self.place_of(0, number);
                         add(simd, &mut self.sheets[place..place + channels], weight, at.value, optics);
                         self.touched[0] |= 1 << number;
+                    } else if painter.operator.picks() {
+                        // On its own, a sample has its own value wherever its kernel is met.
+                        let (depth, met) = (splat(simd, at.place[2]), weight.simd_gt(splat(simd, painter.min_met)));
+                        let none = weight.simd_lt(weight);
+                        let value = splat(simd, at.value);
+                        self.states[number].choose(simd, painter.operator, value, weight, [met, none], [depth; 2]);
                     } else {
                         let [r, g, b, kappa] = optics;
                         let zero = splat(simd, 0.0);
