@@ -173,8 +173,8 @@ impl GridVolume {
         }
     }
 
-    /// Coefficients of the interpolating B-spline.
-    fn coefficients(&self) -> &[f32] {
+    /// Coefficients of the B-spline that interpolates the voxels, missing ones filled in: what [`Filter::BSpline`] samples. Made at the first call.
+    pub fn spline_coefficients(&self) -> &[f32] {
         self.values.coefficients.get_or_init(|| match self.filled() {
             Some((g, _)) => interpolation_coefficients(&lattice(g)),
             None => with_grid!(self.values(), g => interpolation_coefficients(&lattice(g))),
@@ -185,7 +185,7 @@ impl GridVolume {
     pub fn prepare_derived(&self) {
         self.filled();
         if self.filter == Filter::BSpline {
-            self.coefficients();
+            self.spline_coefficients();
         }
     }
 
@@ -194,7 +194,7 @@ impl GridVolume {
         let filter = self.filter;
         match (filter, self.filled()) {
             (Filter::BSpline, _) => {
-                let lattice = Lattice { samples: self.coefficients(), dims: self.dims() };
+                let lattice = Lattice { samples: self.spline_coefficients(), dims: self.dims() };
                 visitor.visit(Sampler::<f32, BSpline>::new(lattice, self.vacuum_cells()))
             }
             (_, Some((g, vacuum))) => visit(lattice(g), Some(vacuum), filter, visitor),

@@ -1,5 +1,5 @@
 //! Time of pictures by packets of sixteen rays beside that of the plain engine, on one thread:
-//! `cargo run --release -p vr-raycast --example packet_time [case|all] [both|packets|plain] [phantom] [voxels an edge] [size] [repeats]`.
+//! `cargo run --release -p vr-raycast --example packet_time [case|all] [both|packets|plain] [phantom] [voxels an edge] [size] [repeats] [filter] [u8|u16|f32]`.
 //!
 //! Both engines draw in turn, so that a busy machine is as busy for the one as for the other; each counts with its best time.
 use std::sync::Arc;
@@ -14,6 +14,17 @@ type Case = (&'static str, fn(&mut Scene), RayCaster);
 
 fn shade(scene: &mut Scene) {
     scene.shading = Some(Arc::new(Shading::default()));
+}
+
+fn shade_analytic(scene: &mut Scene) {
+    scene.shading = Some(Arc::new(Shading { gradient: GradientMethod::Analytic, ..Shading::default() }));
+}
+
+fn color(scene: &mut Scene) {
+    let grid = scene.volume.grid().unwrap();
+    let channel = |c: usize| (0..grid.dims().iter().product()).map(|i: usize| ((i >> (4 * c)) * 4096) as u16).collect();
+    let colors = ColorGrid::new((**grid).clone(), [channel(0), channel(1), channel(2)]).unwrap();
+    scene.volume = Volume::Color(Arc::new(colors));
 }
 
 fn accumulate(scene: &mut Scene) {
@@ -42,6 +53,17 @@ fn cases() -> Vec<Case> {
         ("linear-shaded", shade, rule(Rule::Linear)),
         ("quadratic", |_| (), rule(Rule::Quadratic)),
         ("quadratic-shaded", shade, rule(Rule::Quadratic)),
+        ("over-shaded-analytic", shade_analytic, RayCaster::uniform(0.5)),
+        ("maximum", |scene| scene.compositing = Compositing::Maximum, RayCaster::uniform(0.5)),
+        ("colors", color, RayCaster::uniform(0.5)),
+        (
+            "colors-shaded",
+            |scene| {
+                color(scene);
+                shade(scene);
+            },
+            RayCaster::uniform(0.5),
+        ),
     ]
 }
 
@@ -53,7 +75,13 @@ fn main() {
     let (n, size, repeats) = (number(3, "128"), number(4, "512") as u32, number(5, "5"));
     let control = Control::default().with_threads(1);
     let phantom = phantom::by_name(&name).unwrap();
-    let volume = Volume::from(sample::<u8>(&*phantom, [n; 3]).unwrap());
+    let filter = Filter::from_name(&arg(6, "trilinear")).unwrap();
+    let volume = match &*arg(7, "u8") {
+        "u16" => Volume::from(sample::<u16>(&*phantom, [n; 3]).unwrap()),
+        "f32" => Volume::from(sample::<f32>(&*phantom, [n; 3]).unwrap()),
+        _ => Volume::from(sample::<u8>(&*phantom, [n; 3]).unwrap()),
+    };
+    let volume = volume.with_filter(filter);
     let points = phantom.transfer_points();
     let transfer = TransferFunction::new(points, OpacityRule::Power, phantom::TRANSFER_UNIT_DISTANCE).unwrap();
     let plain = Scene::new(volume, transfer);

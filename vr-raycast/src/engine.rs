@@ -77,14 +77,11 @@ impl Engine {
         };
         let mut kernel = TablesByPrecision::new(caster, scene, volume, last);
         if let TablesByPrecision::F32(_) = kernel
-            && scene.volume.colors().is_none()
             && let Some(picks) = PickEngine::new(caster, scene, volume)
         {
             return Ok(Self::Picks(Box::new(picks), kernel));
         }
         let packets = match &kernel {
-            // Packets know nothing of colours that voxels have.
-            _ if scene.volume.colors().is_some() => None,
             TablesByPrecision::F32(tables) => PacketEngine::new(caster, scene, volume, tables),
             TablesByPrecision::F64(_) => None,
         };

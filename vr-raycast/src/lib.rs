@@ -17,7 +17,7 @@
 //!
 //! Two engines do this. The *plain* one takes every scene and setting but an error bound: samples go through the passes in runs of 32, each pass generic
 //! code, instantiated for what it depends on and chosen once a run. The *vector* one ([`Vector`]) takes rays in packets of sixteen with
-//! AVX-512, AVX2, SSE2 or NEON, and draws the common scenes: trilinear grids and adaptive meshes, over and accumulate, front to back, shaded or not. In grids, its rays begin where the
+//! AVX-512, AVX2, SSE2 or NEON, and draws the common scenes: grids under every filter, with colours or without, adaptive meshes and rectilinear grids, over and accumulate, front to back, shaded or not. In grids, its rays begin where the
 //! outermost visible blocks, projected once a view, say that something can be seen. It is tested against the plain one, which is tested
 //! against `vr-physics`.
 //!
@@ -100,8 +100,8 @@
 //! samples at distances miss. On smooth scenes it takes some two to four times as long as plain steps of ⅕.
 //!
 //! # What it does not do yet
-//! Its vector kernels ([`Vector`] says what they draw) know no other filters than the trilinear one, and pre-integration in whole fields and steps of one length alone: the rest goes ray by
-//! ray, and so do voxels with colours, in steps of a sixth of a voxel at most. Volumes that are no uniform grids it draws by the rules midpoint and left alone, and those that
+//! Its vector kernels ([`Vector`] says what they draw) know pre-integration in whole fields and steps of one length alone, and no local steps under the filter
+//! `nearest`: the rest goes ray by ray. Local steps beside voxels with colours are a sixth of a voxel at most. Volumes that are no uniform grids it draws by the rules midpoint and left alone, and those that
 //! are neither adaptive meshes nor rectilinear grids, whose ranges of values are known part by part, in uniform steps. Rectilinear grids go ray by ray. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
 
 // What the modules hold for classics alone; the check for dead code is that with all features.

@@ -109,7 +109,7 @@ impl Pairs for f32 {
 
 /// Converts numbers below 2³¹: signed conversion is what every machine has.
 #[inline(always)]
-fn small<S: Simd>(x: u32x16<S>) -> f32x16<S> {
+pub(super) fn small<S: Simd>(x: u32x16<S>) -> f32x16<S> {
     x.bitcast::<i32x16<S>>().to_float()
 }
 
@@ -194,6 +194,45 @@ impl<T: Pairs> Field<'_, T> {
             _ => [[a00, b00, a10, b10], [a01, b01, a11, b11]],
         }
     }
+
+    /// The voxels nearest to sixteen places; in the middle between two, the one of higher index.
+    #[inline(always)]
+    pub fn nearest<S: Simd>(&self, simd: S, at: &Cells<S>) -> [f32; LANES] {
+        let (zero, one, half) = (i32x16::splat(simd, 0), i32x16::splat(simd, 1), splat(simd, 0.5));
+        let [x, y, z] = at.fraction;
+        let (x, y, z) = (x.simd_ge(half), y.simd_ge(half), z.simd_ge(half));
+        let offset = (at.cell[2] * self.stride[1] as i32
+            + at.cell[1] * self.stride[0] as i32
+            + at.cell[0]
+            + x.select(one, zero))
+        .to_array();
+        let row = (y.select(one, zero) + z.select(one + one, zero)).to_array();
+        let mut values = [0.0; LANES];
+        for i in 0..LANES {
+            values[i] = self.rows[(row[i] & 3) as usize][offset[i] as u32 as usize].to_f32();
+        }
+        values
+    }
+
+    /// Gradients per index step of the trilinear field itself, at places whose voxels have been staged.
+    #[inline(always)]
+    pub fn slopes<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Stage<T>) -> [f32x16<S>; 3] {
+        let [tx, ty, tz] = at.fraction;
+        let ([x0, x1], [y0, y1]) = (self.faces(simd, 0, stage), self.faces(simd, 1, stage));
+        let [[z00, z10, z01, z11], [w00, w10, w01, w11]] = self.faces(simd, 2, stage);
+        [
+            bilinear([x1[0] - x0[0], x1[1] - x0[1], x1[2] - x0[2], x1[3] - x0[3]], [ty, tz]),
+            bilinear([y1[0] - y0[0], y1[1] - y0[1], y1[2] - y0[2], y1[3] - y0[3]], [tx, tz]),
+            bilinear([w00 - z00, w10 - z10, w01 - z01, w11 - z11], [tx, ty]),
+        ]
+    }
+}
+
+/// Bilinear interpolation between numbers at (0, 0), (1, 0), (0, 1) and (1, 1).
+#[inline(always)]
+pub(super) fn bilinear<S: Simd>([v00, v10, v01, v11]: [f32x16<S>; 4], [t, u]: [f32x16<S>; 2]) -> f32x16<S> {
+    let (row_0, row_1) = (v00 + t * (v10 - v00), v01 + t * (v11 - v01));
+    row_0 + u * (row_1 - row_0)
 }
 
 /// Clamps positions into the box, 0 to `max`: rounding may carry them past a face.

@@ -16,7 +16,9 @@ mod shade;
 mod stencils;
 mod sums;
 mod table;
+mod taps;
 mod uneven_gradient;
+mod wide_field;
 
 pub use chords::Chords;
 pub use elementary::{
@@ -29,10 +31,12 @@ pub use modulation::{Modulation, StepOptics};
 pub use operator::Operator;
 pub use rows::{packed, rows_of, transpose, transpose_packed};
 pub use segments::SegmentTable;
-pub use shade::{PacketLights, PacketShading, SeenLights, Shade, power_of, reflect};
+pub use shade::{PacketLights, PacketShading, SeenLights, Shade, central_differences, power_of, reflect};
 pub use stencils::Stencils;
 pub use sums::{Sums, share_of_half, share_to_level};
 pub use table::{OpticsTable, Rows, step_light};
+pub use taps::AxisWeights;
+pub use wide_field::{BlockStage, Blocks, Offsets, WideField};
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};

@@ -4,8 +4,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 use vr_core::Shading;
 
-use super::shade::largest;
-use super::{Lanes, pick, splat};
+use super::shade::{Shade, largest, world};
+use super::{LANES, Lanes, pick, splat, step_light};
 
 /// Factor on the extinction by the magnitude of the gradient: linear between points, constant outside.
 #[derive(Clone, Debug)]
@@ -35,7 +35,7 @@ impl Modulation {
 
     /// Factors at sixteen gradients.
     #[inline(always)]
-    pub(super) fn factor<S: Simd>(&self, simd: S, w: [f32x16<S>; 3]) -> f32x16<S> {
+    fn factor<S: Simd>(&self, simd: S, w: [f32x16<S>; 3]) -> f32x16<S> {
         // Scaled by its largest component, so that the square neither underflows nor overflows.
         let one = splat(simd, 1.0);
         let longest = largest(w);
@@ -52,6 +52,43 @@ impl Modulation {
             factor = pick(beyond.simd_ge(splat(simd, 0.0)), splat(simd, value) + beyond * rise, factor);
         }
         factor
+    }
+}
+
+impl Shade<'_> {
+    /// Factors of [`modulation`](super::PacketShading::modulation) on the extinction at gradients; 1 where it has none.
+    #[inline(never)]
+    pub fn factors<S: Simd>(&self, simd: S, gradient: &[Lanes; 3]) -> Lanes {
+        let Some(modulation) = &self.shading.modulation else { return Lanes([1.0; LANES]) };
+        let mut factors = Lanes::ZERO;
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let gradient = [gradient[0].load(simd), gradient[1].load(simd), gradient[2].load(simd)];
+                factors = Lanes::new(modulation.factor(simd, world(&self.shading.to_world, gradient)));
+            },
+        );
+        factors
+    }
+
+    /// Makes light and opacity of steps that absorb anew, their extinction times the [`factors`](Self::factors) at gradients.
+    #[inline(never)]
+    pub fn modulate<S: Simd>(&self, simd: S, gradient: &[Lanes; 3], optics: &StepOptics, light: &mut [Lanes; 4]) {
+        let Some(modulation) = &self.shading.modulation else { return };
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let gradient = [gradient[0].load(simd), gradient[1].load(simd), gradient[2].load(simd)];
+                let factor = modulation.factor(simd, world(&self.shading.to_world, gradient));
+                let [r, g, b, kappa] = &optics.row;
+                let row = [r.load(simd), g.load(simd), b.load(simd), kappa.load(simd) * factor];
+                let changed = step_light(simd, row, optics.length.load(simd), optics.emits);
+                let absorbs = light[3].load(simd).simd_gt(splat(simd, 0.0));
+                for c in 0..4 {
+                    light[c] = Lanes::new(pick(absorbs, changed[c], light[c].load(simd)));
+                }
+            },
+        );
     }
 }
 

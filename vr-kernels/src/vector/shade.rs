@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::field::{Cells, Field, Pairs, Stage};
 use super::modulation::{Modulation, StepOptics};
-use super::{LANES, Lanes, ln, opacity_of_depth, pick, splat, step_light};
+use super::{LANES, Lanes, ln, opacity_of_depth, pick, splat};
 use vr_core::{Light, Placement, Shading, turning};
 
 /// Shading, the same for all rays.
@@ -171,25 +171,11 @@ impl Shade<'_> {
         light: &mut [Lanes; 4],
         stage: &mut Stage<T>,
     ) {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                let [g, turn] = gradient(simd, field, at, step, stage);
-                if let Some(modulation) = &self.shading.modulation {
-                    let factor = modulation.factor(simd, world(&self.shading.to_world, g));
-                    let [r, g, b, kappa] = &optics.row;
-                    let row = [r.load(simd), g.load(simd), b.load(simd), kappa.load(simd) * factor];
-                    let changed = step_light(simd, row, optics.length.load(simd), optics.emits);
-                    let absorbs = light[3].load(simd).simd_gt(splat(simd, 0.0));
-                    for c in 0..4 {
-                        light[c] = Lanes::new(pick(absorbs, changed[c], light[c].load(simd)));
-                    }
-                }
-                if self.shading.reflects {
-                    self.light_by(simd, g, turn, light);
-                }
-            },
-        );
+        let [gradient, turn] = central_differences(simd, field, at, step, stage);
+        self.modulate(simd, &gradient, optics, light);
+        if self.shading.reflects {
+            self.apply_to_turning(simd, &gradient, &turn, light);
+        }
     }
 
     /// Shades light of sixteen samples whose gradients are known, and that stand for themselves.
@@ -203,6 +189,21 @@ impl Shade<'_> {
                 let none = splat(simd, 0.0);
                 let gradient = [gradient[0].load(simd), gradient[1].load(simd), gradient[2].load(simd)];
                 self.light_by(simd, gradient, [none; 3], light);
+            },
+        );
+    }
+
+    /// Shades light of steps whose gradients are known, and how they turn from their begin to their end.
+    ///
+    /// Its own function, as [`apply`](Self::apply) is.
+    #[inline(never)]
+    pub fn apply_to_turning<S: Simd>(&self, simd: S, gradient: &[Lanes; 3], turn: &[Lanes; 3], light: &mut [Lanes; 4]) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let gradient = [gradient[0].load(simd), gradient[1].load(simd), gradient[2].load(simd)];
+                let turn = [turn[0].load(simd), turn[1].load(simd), turn[2].load(simd)];
+                self.light_by(simd, gradient, turn, light);
             },
         );
     }
@@ -277,6 +278,30 @@ pub fn power_of<S: Simd>(simd: S, x: f32x16<S>, exponent: f32) -> f32x16<S> {
     splat(simd, 1.0) - opacity_of_depth(simd, depth)
 }
 
+/// Gradients by central differences at cells and fractions in them, and how they change over steps of these extents in index space: both per index step.
+///
+/// Its own function: there are samples that need no gradient, and instances of it for each kernel would be many.
+#[inline(never)]
+pub fn central_differences<S: Simd, T: Pairs>(
+    simd: S,
+    field: &Field<'_, T>,
+    at: &[[Lanes; 3]; 2],
+    step: &[Lanes; 3],
+    stage: &mut Stage<T>,
+) -> [[Lanes; 3]; 2] {
+    let mut found = [[Lanes::ZERO; 3]; 2];
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let both = gradient(simd, field, at, step, stage);
+            for (found, of_axes) in found.iter_mut().zip(both) {
+                *found = [Lanes::new(of_axes[0]), Lanes::new(of_axes[1]), Lanes::new(of_axes[2])];
+            }
+        },
+    );
+    found
+}
+
 /// Gradients per index step, and how they change over a step of an extent in index space: central differences at the voxels, one-sided at the faces of
 /// the box, interpolated trilinearly. Positions are the numbers of the cells (whole numbers), and fractions in them.
 ///
@@ -338,7 +363,7 @@ fn gradient<S: Simd, T: Pairs>(
 
 /// Returns the world gradient of one per index step.
 #[inline(always)]
-fn world<S: Simd>(m: &[[f32; 3]; 3], v: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
+pub(super) fn world<S: Simd>(m: &[[f32; 3]; 3], v: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
     [
         v[0] * m[0][0] + v[1] * m[0][1] + v[2] * m[0][2],
         v[0] * m[1][0] + v[1] * m[1][1] + v[2] * m[1][2],

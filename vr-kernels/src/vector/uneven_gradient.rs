@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 
-use super::field::{Cells, Field, Pairs, Stage};
+use super::field::{Cells, Field, Pairs, Stage, bilinear};
 use super::splat;
 
 impl<T: Pairs> Field<'_, T> {
@@ -46,12 +46,6 @@ impl<T: Pairs> Field<'_, T> {
         }
         gradient
     }
-}
-
-#[inline(always)]
-fn bilinear<S: Simd>([v00, v10, v01, v11]: [f32x16<S>; 4], [t, u]: [f32x16<S>; 2]) -> f32x16<S> {
-    let (row_0, row_1) = (v00 + t * (v10 - v00), v01 + t * (v11 - v01));
-    row_0 + u * (row_1 - row_0)
 }
 
 #[cfg(test)]

@@ -24,9 +24,10 @@ pub enum Precision {
 
 /// Instructions that the vector engine may use.
 ///
-/// It draws `over` and `accumulate` of the trilinear filter, front to back, in f32 with a table, by the rules `midpoint`, `left`, `linear` and `quadratic`
-/// under uniform steps and by `midpoint` under local ones, unshaded or shaded by central differences; samples may be missing, and opacity may follow the
-/// gradient, by `midpoint` and `left`. It picks values, too. Everything else goes through the plain engine. Under uniform steps it leaps by cubes of blocks of its own; with
+/// It draws `over` and `accumulate` under every filter, front to back, in f32 with a table, by the rules `midpoint`, `left`, `linear` and `quadratic`
+/// under uniform steps and by `midpoint` under local ones (but for the filter `nearest`, whose local steps end at the faces of voxels), unshaded or shaded by
+/// gradients of either kind; samples may be missing, and voxels may have colours. Opacity may follow the gradient, by `midpoint` and `left`. It picks values, too (but no
+/// mean of colours). Grids of fewer than four voxels along x have no rows for filters of four taps. Everything else goes through the plain engine. Under uniform steps it leaps by cubes of blocks of its own; with
 /// [`EmptySpace::None`](super::EmptySpace::None), not at all. A structure that is asked for by name is the plain engine's.
 ///
 /// Pictures do not depend on the instructions, bit for bit; from the plain engine's they differ by rounding.

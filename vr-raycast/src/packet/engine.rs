@@ -7,15 +7,17 @@ use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::image_order::ImageSample;
 use vr_core::{
-    Compositing, Counts, Filter, GradientMethod, GridVolume, Layer, MaxRadiance, ParameterError, Rays, Scene, View,
+    ColorGrid, Compositing, Counts, Filter, GradientMethod, GridVolume, Layer, MaxRadiance, ParameterError, Rays,
+    Scene, View,
 };
 use vr_kernels::ranges::LevelRanges;
 use vr_kernels::ranges::RangeBlocks;
 use vr_kernels::tables::BakedTransfer;
 use vr_kernels::vector::{
-    self, Field, LANES, Lanes, OpticsTable, PacketLights, PacketShading, Pairs, Rows, SegmentTable, Stage, Vectorized,
+    self, Field, LANES, Lanes, OpticsTable, PacketLights, PacketShading, Rows, SegmentTable, Vectorized,
 };
 
+use super::fields::{FilteredField, PacketField, can_sample};
 use super::leap::Distances;
 use super::level;
 use super::local::{LocalSteps, by_byte};
@@ -53,6 +55,10 @@ pub(crate) struct PacketEngine {
     cut: f64,
     max_radiance: MaxRadiance,
     shading: Option<PacketShading>,
+    /// Source of the gradients.
+    gradient: GradientMethod,
+    /// Colours of the voxels, where they have any.
+    colors: Option<Arc<ColorGrid>>,
 }
 
 /// Steps of the packets' rays.
@@ -119,8 +125,7 @@ impl PacketEngine {
             Compositing::Accumulate { level } => (level, 0.0),
             _ => return None,
         };
-        let common = shadable(scene)
-            && !scene.transfer.has_rows()
+        let common = !scene.transfer.has_rows()
             && caster.traversal == Traversal::Samples
             && caster.transfer_lookup == TransferLookup::Table;
         // The structures that leap along whole rays are the plain engine's.
@@ -158,7 +163,8 @@ impl PacketEngine {
                 let distances = leaps.then(|| Self::distances(volume, scene, &table, EDGE)).flatten();
                 (Arc::clone(&table), PacketSteps::Lattice { table, distances })
             }
-            (Step::Local { .. }, Some(map)) if caster.rule == Rule::Midpoint => {
+            // Steps that end at the faces of voxels are the plain engine's.
+            (Step::Local { .. }, Some(map)) if caster.rule == Rule::Midpoint && volume.filter().is_continuous() => {
                 let table = Arc::new(baked(scene, volume, step)?);
                 (table, PacketSteps::Local { map: Arc::clone(map), by_byte: Box::new(by_byte(map, step)) })
             }
@@ -178,6 +184,8 @@ impl PacketEngine {
             cut,
             max_radiance: scene.max_radiance(),
             shading,
+            gradient: scene.shading.as_ref().map(|shading| shading.gradient).unwrap_or_default(),
+            colors: scene.volume.colors().cloned(),
         })
     }
 
@@ -193,7 +201,9 @@ impl PacketEngine {
     }
 
     fn distances_of(volume: &GridVolume, visibility: &Visibility<f32>, edge: usize) -> Option<Distances> {
-        if edge == LevelRanges::EDGE && LevelRanges::are_exact(volume) {
+        // A level is a voxel's number, and other filters than these make numbers between and beyond the voxels'.
+        let is_of_voxels = matches!(volume.filter(), Filter::Nearest | Filter::Trilinear);
+        if edge == LevelRanges::EDGE && is_of_voxels && LevelRanges::are_exact(volume) {
             return Distances::of_levels(&LevelRanges::of_volume(volume), visibility);
         }
         Distances::new(&RangeBlocks::of_volume(volume, edge), visibility)
@@ -223,12 +233,7 @@ pub(super) fn fits(caster: &RayCaster, volume: &GridVolume) -> bool {
     let extent = corners.iter().map(|c| c.distance(corners[0])).fold(0.0, f64::max);
     let counted = 2.0 * extent / caster.world_step(volume.placement()) < MAX_STEPS;
     let offsets_fit = volume.dims().iter().product::<usize>() <= i32::MAX as usize;
-    volume.filter() == Filter::Trilinear && counted && offsets_fit && volume.value_stats().range.is_some()
-}
-
-/// True if the scene is unshaded, or shaded in the way that packets know.
-fn shadable(scene: &Scene) -> bool {
-    scene.shading.as_ref().is_none_or(|s| s.gradient == GradientMethod::CentralDifferences)
+    can_sample(volume) && counted && offsets_fit && volume.value_stats().range.is_some()
 }
 
 /// Vector engine with a view.
@@ -260,9 +265,15 @@ impl<'a> PacketFrame<'a> {
 
 impl Tracer for PacketFrame<'_> {
     fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
+        let engine = self.engine;
+        if let Some(field) = FilteredField::new(self.volume, engine.colors.as_deref(), engine.gradient) {
+            let medium = self.medium(field);
+            vector::run(engine.level, Trace { frame: self, medium: &medium, spots, starts, values, counts });
+            return;
+        }
         with_voxels!(self.volume, lattice => {
-            let medium = self.medium(&lattice);
-            vector::run(self.engine.level, Trace { frame: self, medium: &medium, spots, starts, values, counts });
+            let medium = self.medium(Field::new(&lattice));
+            vector::run(engine.level, Trace { frame: self, medium: &medium, spots, starts, values, counts });
         });
     }
 }
@@ -277,7 +288,7 @@ struct Trace<'a, 'f, T> {
     counts: &'a mut Counts,
 }
 
-impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
+impl<T: PacketField> Vectorized for Trace<'_, '_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -285,7 +296,7 @@ impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
         let setup = self.frame.setup();
         let mut packet = Packet::EMPTY;
         let mut lights = PacketLights::default();
-        let mut stages = [Stage::<T>::default(), Stage::<T>::default()];
+        let mut stages = [T::Stage::default(), T::Stage::default()];
         for (group, spots) in self.spots.chunks(LANES).enumerate() {
             let mut nearest = [f64::INFINITY; LANES];
             let mut any = false;
@@ -328,12 +339,12 @@ impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
 }
 
 impl PacketFrame<'_> {
-    fn medium<'m, T: Pairs>(&'m self, lattice: &Lattice<'m, T>) -> Medium<'m, T> {
+    fn medium<T: PacketField>(&self, field: T) -> Medium<'_, T> {
         let engine = self.engine;
         Medium {
-            field: Field::new(lattice),
+            field,
             vacuum: self.volume.vacuum_cells(),
-            dims: lattice.dims,
+            dims: self.volume.dims(),
             steps: match &engine.steps {
                 PacketSteps::Lattice { table, distances } => {
                     MarchSteps::Lattice(LatticeSteps { rows: Rows::new(table), distances: distances.as_ref() })

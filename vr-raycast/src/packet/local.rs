@@ -2,8 +2,9 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_kernels::vector::{Cells, LANES, Lanes, PacketLights, Pairs, Stage, Sums, pick, splat, step_light};
+use vr_kernels::vector::{Cells, LANES, Lanes, PacketLights, Sums, pick, splat, step_light};
 
+use super::fields::PacketField;
 use super::gaps::outside_holes;
 use super::leap::{Leaper, block_index};
 use super::march::{Medium, PacketResult, Path, finish, shaded};
@@ -76,14 +77,14 @@ impl<'a> LocalSteps<'a> {
 /// Walks each ray on its own: over clear blocks to their end, and through the rest in steps of the length that the block of their
 /// begin asks for. Rays that are in clear blocks leap while those in visible ones wait, but only as long as they are more.
 #[inline(always)]
-pub(crate) fn local<S: Simd, T: Pairs>(
+pub(crate) fn local<S: Simd, T: PacketField>(
     simd: S,
     medium: &Medium<'_, T>,
     lengths: LocalSteps<'_>,
     packet: &Packet,
     max_light: &Lanes,
     lights: &PacketLights,
-    stages: &mut [Stage<T>; 2],
+    stages: &mut [T::Stage; 2],
 ) -> PacketResult {
     let ray = Path::new(simd, medium, packet);
     let leaper = Leaper::new(simd, StepMap::EDGE.trailing_zeros(), packet, medium.dims);

@@ -4,10 +4,11 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_core::VacuumCells;
 use vr_kernels::vector::{
-    Cells, Field, Lanes, OpticsTable, PacketLights, PacketShading, Pairs, Rows, Shade, Stage, StepOptics, Sums, cells,
-    inside, pick, splat, step_light,
+    Cells, Lanes, OpticsTable, PacketLights, PacketShading, Rows, Shade, StepOptics, Sums, cells, inside, pick, splat,
+    step_light,
 };
 
+use super::fields::PacketField;
 use super::gaps::{outside_holes, there};
 use super::leap::{Distances, Leaper};
 use super::local::{LocalSteps, local};
@@ -17,7 +18,7 @@ use super::setup::Packet;
 /// Volume that all packets of a frame march through.
 #[derive(Clone, Copy)]
 pub(crate) struct Medium<'a, T> {
-    pub(crate) field: Field<'a, T>,
+    pub(crate) field: T,
     /// Cells without a field; `None` if there are none.
     pub(crate) vacuum: Option<&'a VacuumCells>,
     pub(crate) dims: [usize; 3],
@@ -69,13 +70,13 @@ pub(crate) struct PacketResult {
 /// Its own function, called once a packet: stages that the optimizer can see made are stages that it tries to keep in registers, in vain
 /// and for twice the time.
 #[inline(never)]
-pub(crate) fn march<S: Simd, T: Pairs>(
+pub(crate) fn march<S: Simd, T: PacketField>(
     simd: S,
     medium: &Medium<'_, T>,
     packet: &Packet,
     max_light: &Lanes,
     lights: &PacketLights,
-    stages: &mut [Stage<T>; 2],
+    stages: &mut [T::Stage; 2],
 ) -> PacketResult {
     match medium.steps {
         MarchSteps::Lattice(steps) => simd.vectorize(
@@ -98,14 +99,14 @@ const STRIDE: u32 = 2;
 
 /// Steps of one length.
 #[inline(always)]
-fn lattice<S: Simd, T: Pairs>(
+fn lattice<S: Simd, T: PacketField>(
     simd: S,
     medium: &Medium<'_, T>,
     LatticeSteps { rows, distances }: LatticeSteps<'_>,
     packet: &Packet,
     max_light: &Lanes,
     lights: &PacketLights,
-    stages: &mut [Stage<T>; 2],
+    stages: &mut [T::Stage; 2],
 ) -> PacketResult {
     let ray = Path::new(simd, medium, packet);
     let never = splat(simd, f32::NEG_INFINITY);
@@ -219,10 +220,10 @@ pub(crate) fn finish<S: Simd>(
     }
 }
 
-/// Returns the light after shading, where something is shaded, of staged samples at places and of steps of a length; `stage` is used up.
+/// Returns the light after shading, where something is shaded or has a colour of its own, of staged samples at places and of steps of a length; `stage` is used up.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "lanes in registers: what held them would be kept in memory")]
-pub(crate) fn shaded<S: Simd, T: Pairs>(
+pub(crate) fn shaded<S: Simd, T: PacketField>(
     simd: S,
     medium: &Medium<'_, T>,
     lights: &PacketLights,
@@ -230,11 +231,20 @@ pub(crate) fn shaded<S: Simd, T: Pairs>(
     ray: &Path<S>,
     (at, length): (&Cells<S>, f32x16<S>),
     light: [f32x16<S>; 4],
-    stage: &mut Stage<T>,
+    stage: &mut T::Stage,
 ) -> [f32x16<S>; 4] {
-    let Some(shading) = medium.shading else { return light };
+    let has_colors = medium.field.has_colors();
+    if medium.shading.is_none() && !has_colors {
+        return light;
+    }
     let [r, g, b, alpha] = light;
-    if (live & alpha.simd_gt(splat(simd, 0.0))).all_false() {
+    let zero = splat(simd, 0.0);
+    let mut shows = alpha.simd_gt(zero);
+    if has_colors {
+        // What shines without absorbing has a colour, too.
+        shows |= r.max(g).max(b).simd_gt(zero);
+    }
+    if (live & shows).all_false() {
         return light;
     }
     let [x, y, z] = at.cell;
@@ -247,16 +257,21 @@ pub(crate) fn shaded<S: Simd, T: Pairs>(
             [Lanes::new(ray.delta[0] * length), Lanes::new(ray.delta[1] * length), Lanes::new(ray.delta[2] * length)];
     }
     let mut lanes = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(alpha)];
-    let shade = Shade { shading, lights };
-    if shading.modulation.is_some() {
+    let mut shade = None;
+    let mut modulates = false;
+    if let Some(shading) = medium.shading {
+        shade = Some(Shade { shading, lights });
+        modulates = shading.modulation.is_some();
+    }
+    if modulates {
         // Found anew: a value that was kept for this would take a register from every scene.
         let value = medium.field.value(simd, at, stage);
         let [r, g, b, kappa] = medium.optics.rows().at(simd, value);
         let row = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(kappa)];
         let optics = StepOptics { row, length: Lanes::new(length), emits: medium.optics.emits };
-        shade.apply_modulated(simd, &medium.field, &[cell, fraction], &step, &optics, &mut lanes, stage);
+        medium.field.look(simd, shade, &[cell, fraction], &step, Some(&optics), &mut lanes, stage);
     } else {
-        shade.apply(simd, &medium.field, &[cell, fraction], &step, &mut lanes, stage);
+        medium.field.look(simd, shade, &[cell, fraction], &step, None, &mut lanes, stage);
     }
     [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)]
 }
@@ -266,6 +281,7 @@ pub(crate) struct Path<S: Simd> {
     base: [f32x16<S>; 3],
     delta: [f32x16<S>; 3],
     max_index: [f32; 3],
+    last_cell: [i32; 3],
 }
 
 impl<S: Simd> Path<S> {
@@ -275,17 +291,18 @@ impl<S: Simd> Path<S> {
             base: [packet.base[0].load(simd), packet.base[1].load(simd), packet.base[2].load(simd)],
             delta: [packet.delta[0].load(simd), packet.delta[1].load(simd), packet.delta[2].load(simd)],
             max_index: medium.dims.map(|n| (n - 1) as f32),
+            last_cell: medium.dims.map(|n| n as i32 - 2),
         }
     }
 
     /// Returns the positions that are so many steps from the middle ones, and their cells.
     #[inline(always)]
-    pub(crate) fn cells<T>(&self, simd: S, medium: &Medium<'_, T>, at: f32x16<S>) -> ([f32x16<S>; 3], Cells<S>) {
+    pub(crate) fn cells<T>(&self, simd: S, _: &Medium<'_, T>, at: f32x16<S>) -> ([f32x16<S>; 3], Cells<S>) {
         let position = [
             inside(simd, self.base[0] + at * self.delta[0], self.max_index[0]),
             inside(simd, self.base[1] + at * self.delta[1], self.max_index[1]),
             inside(simd, self.base[2] + at * self.delta[2], self.max_index[2]),
         ];
-        (position, cells(simd, position, medium.field.last_cell))
+        (position, cells(simd, position, self.last_cell))
     }
 }

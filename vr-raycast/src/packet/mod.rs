@@ -27,11 +27,12 @@
 //!   0 to 9 %.
 //!
 //! And in the engine: tables of 1024 entries instead of 4096, 1 %; rays that leap until all of a packet, or three quarters, see something,
-//! instead of half: 0.95. Gradients of the filter itself are left to the plain engine.
+//! instead of half: 0.95.
 
 #[cfg(test)]
 mod compared;
 mod engine;
+mod fields;
 mod gaps;
 mod leap;
 mod level;

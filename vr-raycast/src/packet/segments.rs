@@ -2,8 +2,9 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
-use vr_kernels::vector::{Lanes, PacketLights, Pairs, SegmentTable, Stage, Sums, pick, splat};
+use vr_kernels::vector::{Lanes, PacketLights, SegmentTable, Sums, pick, splat};
 
+use super::fields::PacketField;
 use super::leap::{Distances, Leaper};
 use super::march::{Medium, PacketResult, Path, finish, shaded};
 use super::setup::Packet;
@@ -26,14 +27,14 @@ const STRIDE: u32 = 2;
 /// Takes the packet's rays to their ends: two lines a round, or one parabola. The sample at the end of a step is the one at the begin of the next;
 /// after a leap it is taken anew, at the same place, so that no bit depends on the leap.
 #[inline(always)]
-pub(crate) fn segments<S: Simd, T: Pairs>(
+pub(crate) fn segments<S: Simd, T: PacketField>(
     simd: S,
     medium: &Medium<'_, T>,
     steps: SegmentSteps<'_>,
     packet: &Packet,
     max_light: &Lanes,
     lights: &PacketLights,
-    stages: &mut [Stage<T>; 2],
+    stages: &mut [T::Stage; 2],
 ) -> PacketResult {
     let ray = Path::new(simd, medium, packet);
     let (one, never) = (splat(simd, 1.0), splat(simd, f32::NEG_INFINITY));
@@ -145,7 +146,7 @@ pub(crate) fn segments<S: Simd, T: Pairs>(
 /// A step must end in the box of clear blocks, not only begin there. All that the field goes through in the box is clear, and so is what lies between the
 /// values at the ends of such a step.
 #[inline(always)]
-fn clear_steps<S: Simd, T: Pairs>(
+fn clear_steps<S: Simd, T: PacketField>(
     simd: S,
     medium: &Medium<'_, T>,
     ray: &Path<S>,
@@ -160,12 +161,12 @@ fn clear_steps<S: Simd, T: Pairs>(
 
 /// Returns the field at positions along the rays.
 #[inline(always)]
-fn value<S: Simd, T: Pairs>(
+fn value<S: Simd, T: PacketField>(
     simd: S,
     medium: &Medium<'_, T>,
     ray: &Path<S>,
     at: f32x16<S>,
-    stage: &mut Stage<T>,
+    stage: &mut T::Stage,
 ) -> f32x16<S> {
     let (_, cells) = ray.cells(simd, medium, at);
     medium.field.fetch(simd, &cells, stage);
@@ -175,7 +176,7 @@ fn value<S: Simd, T: Pairs>(
 /// Returns the light of steps after shading, by the gradients in their middles.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "lanes in registers: what held them would be kept in memory")]
-fn look<S: Simd, T: Pairs>(
+fn look<S: Simd, T: PacketField>(
     simd: S,
     medium: &Medium<'_, T>,
     lights: &PacketLights,
@@ -183,7 +184,7 @@ fn look<S: Simd, T: Pairs>(
     ray: &Path<S>,
     [middle, length]: [f32x16<S>; 2],
     light: &[Lanes; 4],
-    stage: &mut Stage<T>,
+    stage: &mut T::Stage,
 ) -> [f32x16<S>; 4] {
     let light = [light[0].load(simd), light[1].load(simd), light[2].load(simd), light[3].load(simd)];
     if medium.shading.is_none() {

@@ -121,3 +121,72 @@ pub(crate) fn integrate<S: Simd>(
         j = next + 1;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use fearless_simd::{Level, dispatch};
+    use vr_core::{Calibration, ControlPoint, OpacityRule, TransferFunction};
+    use vr_kernels::tables::PreIntegrated;
+
+    use super::*;
+
+    /// Segments of 128 samples on each ray, some of them vacuum, by an integration in chunks of so many.
+    fn integrated(table: &SegmentTable, len: usize, backwards: bool) -> Vec<[[f32; 4]; LANES]> {
+        let mut state = 7u64;
+        let mut random = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 40) as f32 / (1u64 << 24) as f32
+        };
+        let value = |x: f32| if x < 0.05 { f32::NAN } else { 1.2 * x - 0.1 };
+        let values: Vec<Lanes> = (0..129).map(|_| Lanes(std::array::from_fn(|_| value(random())))).collect();
+        let mut chunk = Chunk::EMPTY;
+        let mut all = Vec::new();
+        for (k, part) in values[1..].chunks(len).enumerate() {
+            chunk.len = part.len();
+            chunk.value[..len].copy_from_slice(part);
+            // The first is shorter.
+            let length = std::array::from_fn(|j| Lanes([if k == 0 && j == 0 { 0.1 } else { 0.3 }; LANES]));
+            dispatch!(Level::new(), simd => integrate(simd, table, &values[k * len], &length, backwards, &mut chunk));
+            for (j, light) in chunk.light[..len].iter().enumerate() {
+                let (near, far) = (&values[k * len + j], &part[j]);
+                all.push(std::array::from_fn(|i| light.map(|lanes| lanes.0[i])));
+                for i in 0..LANES {
+                    let [front, back] = if backwards { [far.0[i], near.0[i]] } else { [near.0[i], far.0[i]] };
+                    if front.is_nan() || back.is_nan() {
+                        assert!(light[3].0[i].is_nan());
+                        continue;
+                    }
+                    let want = table.pre_integrated().segment(front, back, length[j].0[i]);
+                    for c in 0..4 {
+                        let off = (light[c].0[i] - want[c]).abs();
+                        assert!(off <= 2e-6 * (1.0 + want[c]), "{front} {back}: {off} of {want:?}");
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn segments_are_those_of_the_table_wherever_chunks_begin() {
+        for opacity in [0.8, 1.0] {
+            let points = [(0.25, 0.0), (0.5, 0.5), (0.75, opacity), (0.875, opacity), (1.0, 0.0)];
+            let points = points.map(|(value, opacity)| ControlPoint::new(value, [1.0, value, 0.25], opacity));
+            let transfer = TransferFunction::new(points.to_vec(), OpacityRule::Power, 0.5).unwrap();
+            let table = PreIntegrated::new(&transfer, Calibration::default(), (-0.2, 1.2), 1024);
+            assert_eq!(table.has_walls(), opacity == 1.0);
+            let table = SegmentTable::new(&Arc::new(table));
+            for backwards in [false, true] {
+                let one_by_one = integrated(&table, 1, backwards);
+                let bits = |all: &[[[f32; 4]; LANES]]| -> Vec<u32> {
+                    all.iter().flatten().filter(|l| !l[3].is_nan()).flatten().map(|x| x.to_bits()).collect()
+                };
+                for len in [2, 4, CHUNK] {
+                    assert_eq!(bits(&integrated(&table, len, backwards)), bits(&one_by_one), "{opacity} {len}");
+                }
+            }
+        }
+    }
+}

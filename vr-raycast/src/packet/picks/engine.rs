@@ -6,13 +6,14 @@ use fearless_simd::{Level, Simd};
 use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::image_order::ImageSample;
-use vr_core::{Counts, GridVolume, ParameterError, Rays, Scene, View};
+use vr_core::{Counts, GradientMethod, GridVolume, ParameterError, Rays, Scene, View};
 use vr_kernels::ranges::RangeBlocks;
-use vr_kernels::vector::{self, LANES, Operator, Pairs, Stage, Vectorized};
+use vr_kernels::vector::{self, LANES, Operator, Vectorized};
 
 use super::march::{Peaks, PickMedium, march};
 use crate::caster::{EmptySpace, RayCaster, Rule, Step, Traversal};
 use crate::packet::engine::{fits, with_voxels};
+use crate::packet::fields::{FilteredField, PacketField};
 use crate::packet::level;
 use crate::packet::setup::{FrameSetup, Packet};
 use crate::pipeline::{Pipeline, SurfaceLook};
@@ -45,7 +46,9 @@ impl PickEngine {
             || !matches!(caster.step, Step::Uniform(_))
             || caster.traversal != Traversal::Samples
             || caster.rule == Rule::Exact
-            || caster.empty_space.is_named();
+            || caster.empty_space.is_named()
+            // A mean has the mean colour of its ray.
+            || operator == Operator::Average && scene.volume.colors().is_some();
         if is_plain || !fits(caster, volume) {
             return None;
         }
@@ -100,15 +103,14 @@ impl<'a> PickFrame<'a> {
 impl Tracer for PickFrame<'_> {
     fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
         let engine = self.engine;
+        // Colours multiply what was picked, and a surface's gradient is the plain engine's.
+        if let Some(field) = FilteredField::new(&engine.volume, None, GradientMethod::default()) {
+            let medium = self.medium(field);
+            vector::run(engine.level, Trace { frame: self, medium: &medium, spots, starts, values, counts });
+            return;
+        }
         with_voxels!(engine.volume, lattice => {
-            let medium = PickMedium {
-                field: vector::Field::new(&lattice),
-                vacuum: engine.volume.vacuum_cells(),
-                dims: lattice.dims,
-                operator: engine.operator,
-                offset: engine.offset as f32,
-                peaks: engine.peaks.as_deref(),
-            };
+            let medium = self.medium(vector::Field::new(&lattice));
             vector::run(engine.level, Trace { frame: self, medium: &medium, spots, starts, values, counts });
         });
     }
@@ -124,7 +126,7 @@ struct Trace<'a, 'f, T> {
     counts: &'a mut Counts,
 }
 
-impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
+impl<T: PacketField> Vectorized for Trace<'_, '_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -132,7 +134,7 @@ impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
         let Self { frame, medium, spots, starts, values, counts } = self;
         let setup = frame.setup();
         let mut packet = Packet::EMPTY;
-        let mut stages = [Stage::<T>::default(), Stage::<T>::default()];
+        let mut stages = [T::Stage::default(), T::Stage::default()];
         let mut surface = frame.plain.surface_look().filter(|_| matches!(medium.operator, Operator::First { .. }));
         for (group, spots) in spots.chunks(LANES).enumerate() {
             setup.packet(simd, spots, &[0.0; LANES], &mut packet);
@@ -161,6 +163,18 @@ impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
 }
 
 impl<'a> PickFrame<'a> {
+    fn medium<T: PacketField>(&self, field: T) -> PickMedium<'_, T> {
+        let engine = self.engine;
+        PickMedium {
+            field,
+            vacuum: engine.volume.vacuum_cells(),
+            dims: engine.volume.dims(),
+            operator: engine.operator,
+            offset: engine.offset as f32,
+            peaks: engine.peaks.as_deref(),
+        }
+    }
+
     /// Value of a ray that picked a number, at a position in steps from its middle and over a length.
     fn picked(
         &self,
@@ -179,12 +193,18 @@ impl<'a> PickFrame<'a> {
         let steps = packet.middle[lane] + f64::from(at) + engine.offset;
         let depth = packet.begin[lane] + (steps * engine.step).clamp(0.0, packet.length[lane]);
         let point = scene.transfer.at(calibration.value(f64::from(value)));
-        if !matches!(engine.operator, Operator::First { .. }) {
-            return RayValue { rgba: point.pixel(), depth }.into();
-        }
-        // A surface, which is shaded.
+        let is_surface = matches!(engine.operator, Operator::First { .. });
         let [r, g, b] = point.color;
-        let mut value = RayValue { rgba: [r, g, b, 1.0], depth };
+        let mut value = RayValue { rgba: if is_surface { [r, g, b, 1.0] } else { point.pixel() }, depth };
+        if let Some(colors) = self.plain.colors {
+            let at: [f32; 3] = std::array::from_fn(|a| {
+                let last = (engine.volume.dims()[a] - 1) as f32;
+                (packet.base[a].0[lane] + at * packet.delta[a].0[lane]).clamp(0.0, last)
+            });
+            let color = colors.color(at);
+            (0..3).for_each(|c| value.rgba[c] *= f64::from(color[c]));
+        }
+        // A surface is shaded.
         if let Some(surface) = surface {
             surface.shade(&self.rays.at(spot.x, spot.y), &mut value);
         }

@@ -4,8 +4,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_core::VacuumCells;
 use vr_kernels::ranges::RangeBlocks;
-use vr_kernels::vector::{Cells, Field, LANES, Lanes, Operator, Pairs, Stage, cells, inside, pick, splat};
+use vr_kernels::vector::{Cells, LANES, Lanes, Operator, cells, inside, pick, splat};
 
+use crate::packet::fields::PacketField;
 use crate::packet::gaps::there;
 use crate::packet::leap::{Leaper, block_index};
 use crate::packet::setup::Packet;
@@ -13,7 +14,7 @@ use crate::packet::setup::Packet;
 /// Volume that all packets of a frame march through, and what they pick.
 #[derive(Clone, Copy)]
 pub(super) struct PickMedium<'a, T> {
-    pub(super) field: Field<'a, T>,
+    pub(super) field: T,
     /// Cells without a field; `None` if there are none.
     pub(super) vacuum: Option<&'a VacuumCells>,
     pub(super) dims: [usize; 3],
@@ -130,11 +131,11 @@ const STRIDE: u32 = 2;
 
 /// Takes the packet's rays to their ends.
 #[inline(never)]
-pub(super) fn march<S: Simd, T: Pairs>(
+pub(super) fn march<S: Simd, T: PacketField>(
     simd: S,
     medium: &PickMedium<'_, T>,
     packet: &Packet,
-    stages: &mut [Stage<T>; 2],
+    stages: &mut [T::Stage; 2],
 ) -> Picked {
     simd.vectorize(
         #[inline(always)]
@@ -143,17 +144,17 @@ pub(super) fn march<S: Simd, T: Pairs>(
 }
 
 #[inline(always)]
-fn through<S: Simd, T: Pairs>(
+fn through<S: Simd, T: PacketField>(
     simd: S,
     medium: &PickMedium<'_, T>,
     packet: &Packet,
-    stages: &mut [Stage<T>; 2],
+    stages: &mut [T::Stage; 2],
 ) -> Picked {
     let (zero, one, never) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, f32::NEG_INFINITY));
     let base = [packet.base[0].load(simd), packet.base[1].load(simd), packet.base[2].load(simd)];
     let delta = [packet.delta[0].load(simd), packet.delta[1].load(simd), packet.delta[2].load(simd)];
     let largest = medium.dims.map(|n| (n - 1) as f32);
-    let last_cell = medium.field.last_cell;
+    let last_cell = medium.dims.map(|n| n as i32 - 2);
     // A closure would not be inlined for certain.
     macro_rules! cells_at {
         ($at:expr) => {{

@@ -1,0 +1,101 @@
+//! Fields that packets march through.
+//!
+//! The marches are generic over the field, and each instance of them is large: so there is one for each type of voxels under the trilinear filter, which is
+//! what most scenes are, and *one* for all else ([`FilteredField`]), which asks what the voxels and the filter are at every sixteen samples.
+
+mod by_type;
+mod colors;
+mod filtered;
+
+use fearless_simd::{Simd, f32x16};
+use vr_kernels::vector::{Cells, Field, Lanes, Pairs, Shade, Stage, StepOptics, central_differences};
+
+pub(crate) use filtered::{FilteredField, can_sample};
+
+/// Field that packets march through, as sixteen samples see it.
+pub(crate) trait PacketField {
+    /// Buffer of voxels between their fetch and their use: a wide load from narrow stores takes its time, which the fetch of the next step hides.
+    type Stage: Default;
+
+    /// True if places have colours that multiply their light.
+    #[inline(always)]
+    fn has_colors(&self) -> bool {
+        false
+    }
+
+    /// Fetches what the values at places need.
+    fn fetch<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Self::Stage);
+
+    /// Returns the values at places that were fetched last.
+    fn value<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Self::Stage) -> f32x16<S>;
+
+    /// Returns the gradients at places, per index step, and how they change over steps of an extent, where they are followed: `at` and `step` are those of
+    /// [`central_differences`]; `stage` is used up.
+    fn gradients<S: Simd>(
+        &self,
+        simd: S,
+        at: &[[Lanes; 3]; 2],
+        step: &[Lanes; 3],
+        stage: &mut Self::Stage,
+    ) -> [[Lanes; 3]; 2];
+
+    /// Changes the light of steps by the colours of places and, where the scene is shaded, by the gradients at them: opacity first, where there are `optics`
+    /// to make it anew from, and then what is reflected. `at` and `step` are those of [`Shade::apply`]; `stage` is used up.
+    #[expect(clippy::too_many_arguments, reason = "what `Shade::apply` takes")]
+    fn look<S: Simd>(
+        &self,
+        simd: S,
+        shade: Option<Shade<'_>>,
+        at: &[[Lanes; 3]; 2],
+        step: &[Lanes; 3],
+        optics: Option<&StepOptics>,
+        light: &mut [Lanes; 4],
+        stage: &mut Self::Stage,
+    );
+}
+
+impl<T: Pairs> PacketField for Field<'_, T> {
+    type Stage = Stage<T>;
+
+    #[inline(always)]
+    fn fetch<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Stage<T>) {
+        Self::fetch(self, simd, at, stage);
+    }
+
+    #[inline(always)]
+    fn value<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Stage<T>) -> f32x16<S> {
+        Self::value(self, simd, at, stage)
+    }
+
+    #[inline(always)]
+    fn gradients<S: Simd>(
+        &self,
+        simd: S,
+        at: &[[Lanes; 3]; 2],
+        step: &[Lanes; 3],
+        stage: &mut Stage<T>,
+    ) -> [[Lanes; 3]; 2] {
+        central_differences(simd, self, at, step, stage)
+    }
+
+    #[inline(always)]
+    fn look<S: Simd>(
+        &self,
+        simd: S,
+        shade: Option<Shade<'_>>,
+        at: &[[Lanes; 3]; 2],
+        step: &[Lanes; 3],
+        optics: Option<&StepOptics>,
+        light: &mut [Lanes; 4],
+        stage: &mut Stage<T>,
+    ) {
+        let Some(shade) = shade else { return };
+        match optics {
+            Some(optics) => shade.apply_modulated(simd, self, at, step, optics, light, stage),
+            None => shade.apply(simd, self, at, step, light, stage),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
