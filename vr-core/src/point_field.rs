@@ -18,9 +18,11 @@ pub struct PointCrossing {
     pub nearest: f64,
     /// Smallest distance of the ray from the point; less than the radius.
     pub distance: f64,
+    /// Vector from the point to where the ray is nearest to it, `distance` long.
+    pub across: DVec3,
     /// Half the length of the ray inside the support: it enters at `nearest − half` and leaves at `nearest + half`.
     pub half: f64,
-    /// Largest error of `nearest` and `distance` by rounding.
+    /// Largest error of `nearest`, `distance` and `across` by rounding.
     pub error: f64,
 }
 
@@ -64,6 +66,17 @@ impl PointSet {
         sum
     }
 
+    /// The gradient of the field per world unit at a world position: the sum of the kernels' own gradients; `None` in vacuum.
+    pub fn gradient(&self, at: DVec3) -> Option<DVec3> {
+        let mut sum = None;
+        self.index().each_around(at - self.index().middle(), |k| {
+            if at.distance(self.positions()[k]) < f64::from(self.radii()[k]) {
+                *sum.get_or_insert(DVec3::ZERO) += self.contributed_gradient(k, at);
+            }
+        });
+        sum
+    }
+
     /// The points whose supports hold a world position, in ascending order.
     pub fn around(&self, at: DVec3) -> Vec<u32> {
         let mut found = Vec::new();
@@ -96,12 +109,13 @@ impl PointSet {
             let local = self.positions()[k] - middle;
             let towards = local - origin;
             let nearest = towards.dot(ray.direction);
-            let distance = (towards - ray.direction * nearest).length();
+            let across = ray.direction * nearest - towards;
+            let distance = across.length();
             let radius = f64::from(self.radii()[k]);
             let half = ((radius - distance) * (radius + distance)).sqrt();
             if half > 0.0 && nearest + half > line.ends[0] && nearest - half < line.ends[1] {
                 let error = 4.0 * f64::EPSILON * (local.length() + origin.length());
-                all.push(PointCrossing { point: k as u32, nearest, distance, half, error });
+                all.push(PointCrossing { point: k as u32, nearest, distance, across, half, error });
             }
         });
         all.sort_unstable_by_key(|c| c.point);
@@ -199,6 +213,37 @@ mod tests {
     }
 
     #[test]
+    fn gradients_are_differences_of_the_field() {
+        let mut tried = 0;
+        for kernel in PointKernel::ALL {
+            let positions: Vec<DVec3> = (0..60)
+                .map(|k: u32| DVec3::from([k * 7919 % 97, k * 104_729 % 89, k * 31 % 83].map(f64::from)) / 60.0)
+                .collect();
+            let radii: Vec<f32> = (0..60u8).map(|k| 0.2 + 0.01 * f32::from(k)).collect();
+            let values: Vec<f32> = (0..60u8).map(|k| f32::from(k % 7) - 2.0).collect();
+            let points = PointSet::new(positions, radii, vec![1.0; 60], values, kernel).unwrap();
+            for i in 0..200u32 {
+                let at = DVec3::from([i * 37 % 101, i * 53 % 103, i * 71 % 107].map(f64::from)) / 70.0;
+                let h = 1e-5;
+                // Where no edge, centre or core is within the differences: there a cone's and a Gaussian's gradient jump.
+                let smooth = |k: usize| {
+                    let t = at.distance(points.positions()[k]) / f64::from(points.radii()[k]);
+                    t > 0.01 && points.kernel().breakpoints().iter().all(|b| (t - b).abs() > 1e-3)
+                };
+                let (Some(gradient), true) = (points.gradient(at), (0..60).all(smooth)) else { continue };
+                let value = |by: DVec3| points.field(at + by).unwrap_or(0.0);
+                let difference = DVec3::from(DVec3::AXES.map(|a| (value(a * h) - value(-a * h)) / (2.0 * h)));
+                // h²/6 of third derivatives: a cone's is its slope over the square of the distance, at least (1/500)².
+                let size: f64 = (0..60).map(|k| points.amplitude(k).abs() / f64::from(points.radii()[k])).sum();
+                assert!((gradient - difference).length() < 1e-5 * size, "{kernel}: {gradient} {difference}");
+                tried += 1;
+            }
+            assert_eq!(points.gradient(DVec3::splat(9.0)), None);
+        }
+        assert!(tried > 200, "{tried}");
+    }
+
+    #[test]
     fn crossings_are_chords_of_spheres() {
         let set = |x: f64| {
             PointSet::new(vec![DVec3::new(x, 2.0, 3.0)], vec![5.0], vec![1.0], vec![1.0], PointKernel::Cone).unwrap()
@@ -207,6 +252,7 @@ mod tests {
         let found = set(1.0).crossings(&ray, [0.0, f64::INFINITY]);
         let c = found.all[0];
         assert_eq!((found.offset, c.nearest, c.distance, c.half), (100.0, 0.0, 3.0, 4.0));
+        assert_eq!(c.across, DVec3::new(0.0, 3.0, 0.0));
         assert!(set(5.0).crossings(&ray, [0.0, f64::INFINITY]).all.is_empty(), "only touched");
         assert!(set(1.0).crossings(&ray, [0.0, 96.0]).all.is_empty(), "ends before it");
         assert_eq!(set(1.0).crossings(&ray, [100.0, 100.0]).all.len(), 1, "inside it");

@@ -84,6 +84,22 @@ impl PointKernel {
             }
     }
 
+    /// (dW/dt)/t: the factor of the vector from the point, in radii, in the gradient. 0 in the middle of a cone, which has no gradient there.
+    pub fn slope_by_distance(self, t: f64) -> f64 {
+        if t >= 1.0 {
+            return 0.0;
+        }
+        let u = 1.0 - t;
+        self.factor()
+            * match self {
+                Self::CubicSpline if t <= 0.5 => -12.0 + 18.0 * t,
+                Self::CubicSpline => -6.0 * u * u / t,
+                Self::Gaussian => -2.0 * EDGE * libm::exp(-EDGE * t * t),
+                Self::Cone if t > 0.0 => -1.0 / t,
+                Self::Cone => 0.0,
+            }
+    }
+
     /// The t > 0 at which W is not smooth.
     pub fn breakpoints(self) -> &'static [f64] {
         match self {
@@ -139,6 +155,7 @@ mod tests {
                 let h = 1e-6;
                 let difference = (kernel.at(t + h) - kernel.at(t - h)) / (2.0 * h);
                 assert!((difference - kernel.slope(t)).abs() < 1e-6, "{kernel} at {t}");
+                assert!((kernel.slope_by_distance(t) * t - kernel.slope(t)).abs() < 1e-13, "{kernel} at {t}");
             }
         }
     }

@@ -13,6 +13,8 @@ use crate::point_kernel::PointKernel;
 /// Points that each carry a value, spread around them by a kernel.
 ///
 /// The field is f(x) = Σ wₖ vₖ W(|x − xₖ| / Rₖ) / Rₖ³ over all points k, in world units; where no support reaches, there is vacuum.
+/// Its gradient, by which it is shaded, is the sum of the kernels' own: Σ wₖ vₖ W'(|x − xₖ| / Rₖ) (x − xₖ) / (|x − xₖ| Rₖ⁴).
+///
 /// With wₖ = the volume that a point stands for (its mass by its density) this is the interpolation of smoothed particle hydrodynamics:
 /// f follows the values. With wₖ = its mass and all vₖ = 1 it is the density.
 ///
@@ -156,6 +158,13 @@ impl PointSet {
     pub fn contribution(&self, k: usize, at: DVec3) -> f64 {
         let radius = f64::from(self.radii[k]);
         self.amplitude(k) * self.kernel.at(at.distance(self.positions[k]) / radius)
+    }
+
+    /// Gradient per world unit of the contribution of point k at a world position; 0 in the middle of a cone, which has none there.
+    pub fn contributed_gradient(&self, k: usize, at: DVec3) -> DVec3 {
+        let radius = f64::from(self.radii[k]);
+        let from = (at - self.positions[k]) / radius;
+        from * (self.amplitude(k) / radius * self.kernel.slope_by_distance(from.length()))
     }
 
     /// wₖ vₖ / Rₖ³.

@@ -8,7 +8,7 @@ use proptest::test_runner::RngSeed;
 use vr_core::field::{Cut, FieldLine, PointLine};
 use vr_core::phantom::{POINT_NAMES, point_transfer_function, points_by_name};
 use vr_core::{
-    Camera, Clip, Compositing, Control, ControlPoint, Filter, Model, OpacityRule, Plane, PointKernel, PointSet,
+    Camera, Clip, Compositing, Control, ControlPoint, Filter, Light, Model, OpacityRule, Plane, PointKernel, PointSet,
     Projection, Ray, RenderError, Scene, Shading, TransferFunction, View,
 };
 use vr_physics::check::FixedLayer;
@@ -269,8 +269,6 @@ fn what_is_not_solved_is_said() {
     let solve =
         |scene: &Scene, model: &Model| Reference::default().solve(scene, &any_view(), model, &Control::default());
     assert!(matches!(solve(&scene, &Model::Filtered(Filter::BSpline)), Err(RenderError::Unsupported { .. })));
-    let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..scene };
-    assert!(matches!(solve(&shaded, &Model::Canonical), Err(RenderError::Unsupported { .. })));
 }
 
 #[test]
@@ -332,7 +330,7 @@ proptest! {
         let direction = if exact { DVec3::Y } else { DVec3::from(to).normalize_or(DVec3::X) };
         let target = points.positions()[aim % points.count()] + if exact { DVec3::ZERO } else { DVec3::from(aside) };
         let ray = Ray { origin: target - direction * 4.0, direction };
-        let Some(line) = PointLine::new(&points, &ray, &Clip::default(), f64::INFINITY) else { return Ok(()) };
+        let Some(line) = PointLine::with_gradients(&points, &ray, &Clip::default(), f64::INFINITY) else { return Ok(()) };
         let mut breakpoints = Vec::new();
         line.breakpoints(&mut breakpoints);
         for ends in breakpoints.windows(2) {
@@ -342,8 +340,22 @@ proptest! {
                 let at = ray.origin + direction * (s + line.chord().offset);
                 // The sum and how far rounding of the place moves it: coordinates are about 5, no kernel is steeper than 3 A/R.
                 let (mut truth, mut size, mut doubt) = (0.0, 0.0, 0.0);
+                // The gradient, and how far it turns: where a cone or a Gaussian ends or a cone has its tip, by as much as it is.
+                let (mut slope, mut steep, mut turned) = (DVec3::ZERO, 0.0, 0.0);
+                let jumps = points.kernel() != PointKernel::CubicSpline;
                 for k in 0..points.count() {
                     let radius = f64::from(points.radii()[k]);
+                    let t = at.distance(points.positions()[k]) / radius;
+                    let amplitude = points.amplitude(k).abs() / radius;
+                    if jumps && (t - 1.0).abs() * radius < 1e-13 {
+                        turned += 3.0 * amplitude;
+                    }
+                    if t < 1.0 {
+                        slope += points.contributed_gradient(k, at);
+                        steep += 5.1 * amplitude;
+                        let turn = if points.kernel() == PointKernel::Cone { 1.0 / t } else { 31.0 };
+                        turned += amplitude * (turn / radius * 4e-15).min(4.0);
+                    }
                     if at.distance(points.positions()[k]) < radius + 1e-14 {
                         truth += points.contribution(k, at);
                         size += points.amplitude(k).abs();
@@ -358,6 +370,15 @@ proptest! {
                         prop_assert!(error <= model.field_error + doubt + 1e-15 * size, "{error:e} > {:e} + {doubt:e}", model.field_error);
                         // And worth something.
                         prop_assert!(model.field_error <= 1e-10 * size, "{:e} of {size}", model.field_error);
+                        let gradient = model.gradient.map(|g| DVec3::from(g.map(|p| p.at(t)))).expect("asked for");
+                        let error = (gradient - slope).abs().max_element();
+                        prop_assert!(
+                            error <= model.gradient_error + turned + 1e-15 * steep,
+                            "{}: {error:e} > {:e} + {turned:e} + {steep}", points.kernel(), model.gradient_error
+                        );
+                        // Next to a tip alone little is known.
+                        let tiny = ends[1] - ends[0] < 1e-9;
+                        prop_assert!(tiny || model.gradient_error <= 1e-6 * steep, "{:e} of {steep}", model.gradient_error);
                     }
                 }
             }
@@ -403,6 +424,86 @@ proptest! {
     }
 }
 
+/// Matte and glossy under a headlight and a light from aside.
+fn lit(scene: Scene, gradient_opacity: Vec<(f64, f64)>) -> Scene {
+    let sun = Light { direction: Some(DVec3::new(0.3, 1.0, -0.4)), color: [0.9, 0.8, 0.4] };
+    let shading = Shading { power: 7.5, gradient_opacity, ..Shading::default() };
+    Scene { shading: Some(Arc::new(shading)), lights: vec![Light::default(), sun], ..scene }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(12), failure_persistence: None, ..ProptestConfig::with_cases(60) })]
+
+    /// Shaded light, and opacity by the gradient, against the sum over many steps, each with the gradient at its middle.
+    #[test]
+    fn shaded_light_is_that_of_fine_steps(points in sets(), aside in prop::array::uniform3(-0.3f64..0.3), to in prop::array::uniform3(-1.0f64..1.0), modulates in any::<bool>()) {
+        let direction = DVec3::from(to).normalize_or(DVec3::X);
+        let ray = Ray { origin: DVec3::from(aside) - direction * 3.0, direction };
+        let clip = Clip { crop: Some((DVec3::splat(-0.7), DVec3::splat(0.8))), planes: vec![] };
+        let Some([from, to]) = ray.inside(&clip) else { return Ok(()) };
+        let knots = vec![ControlPoint::new(-1.0, [0.9, 0.5, 0.1], 0.0), ControlPoint::new(0.5, [0.1, 0.5, 0.9], 0.1), ControlPoint::new(3.0, [0.5; 3], 0.7)];
+        let transfer = TransferFunction::new(knots, OpacityRule::Power, 0.3).unwrap();
+        let view = View { clip, ..any_view() };
+        let factors = if modulates { vec![(0.0, 0.2), (2.0, 1.0), (20.0, 0.5)] } else { vec![] };
+        let scene = lit(Scene::new(points.clone().into(), transfer.clone()), factors);
+        let solve = |tolerance: f64| Reference::new(tolerance).transport(&scene, &view, &ray).unwrap();
+        let (t, coarse) = (solve(1e-9), solve(1e-5));
+        let shading = scene.shading.as_ref().unwrap();
+        let along = shading.along::<f64>(&scene.lights, direction);
+        let steps = 20_000;
+        let h = (to - from) / f64::from(steps);
+        let (mut light, mut depth) = ([0.0; 3], 0.0);
+        for i in 0..steps {
+            let at = ray.origin + direction * (from + h * (f64::from(i) + 0.5));
+            let (Some(f), Some(gradient)) = (points.field(at), points.gradient(at)) else { continue };
+            let optical = transfer.at(f);
+            let kappa = transfer.extinction(optical.opacity) * shading.modulation(gradient.length());
+            let (factor, added) = along.reflect(gradient.to_array());
+            let gain = libm::exp(-depth) * -libm::expm1(-kappa * h);
+            for c in 0..3 {
+                light[c] += gain * (optical.color[c] * factor[c] + added[c]);
+            }
+            depth += kappa * h;
+        }
+        let Some(t) = t else {
+            prop_assert_eq!(depth, 0.0);
+            return Ok(());
+        };
+        let uncertain = bound(t.certainty);
+        // Rays miss points: nothing but edges of supports, where the gradient of a cubic spline vanishes, is less certain than asked for.
+        prop_assert!(uncertain < 1e-6, "{uncertain:e}");
+        // κ is at most 4 and a colour below 3; jumps at edges of supports and directions that turn fast beside a tip or where a gradient vanishes are known
+        // to a few steps each.
+        let allowed = uncertain + 3.0 * (4.0 * h * (points.count() as f64).min(8.0)) + 2e-4;
+        prop_assert!((t.opacity() - -libm::expm1(-depth)).abs() <= allowed, "{} {}", t.opacity(), -libm::expm1(-depth));
+        let coarse = coarse.unwrap();
+        for c in 0..3 {
+            prop_assert!((t.radiance[c] - light[c]).abs() <= allowed, "{} {}", t.radiance[c], light[c]);
+            let apart = (t.radiance[c] - coarse.radiance[c]).abs();
+            prop_assert!(apart <= uncertain + bound(coarse.certainty), "{apart:e}");
+        }
+    }
+}
+
+/// Seen from its middle, a ball faces the eye everywhere: all light is reflected straight back.
+#[test]
+fn a_ball_around_the_eye_reflects_straight_back() {
+    for kernel in PointKernel::ALL {
+        let scene = Scene::new(set(&[([0.0; 3], 2.0, 5.0)], kernel).into(), density());
+        let shaded = Scene {
+            shading: Some(Arc::new(Shading { specular: 0.0, ..Shading::default() })),
+            lights: vec![Light::default()],
+            ..scene.clone()
+        };
+        let [plain, lit] = [&scene, &shaded]
+            .map(|scene| Reference::default().transport(scene, &any_view(), &along_z(0.0, 0.0, 0.0)).unwrap().unwrap());
+        let allowed = bound(plain.certainty) + bound(lit.certainty);
+        assert!(allowed < 1e-6, "{kernel}: {allowed:e}");
+        let wanted = plain.radiance[0] * 0.9;
+        assert!((lit.radiance[0] - wanted).abs() <= allowed, "{kernel}: {} {wanted}", lit.radiance[0]);
+    }
+}
+
 #[test]
 fn phantoms_are_solved_to_the_tolerance() {
     for name in POINT_NAMES {
@@ -415,5 +516,9 @@ fn phantoms_are_solved_to_the_tolerance() {
         println!("{name}: within {certainty:.1e}, {} pieces", solved.counts.samples);
         assert!(certainty < 2e-10, "{name}: {certainty:e}");
         assert!(solved.pixels.iter().any(|p| p.rgba[3] > 0.2), "{name} is visible");
+        let solved = solve(&lit(scene, vec![]), &view);
+        let certainty = bound(solved.certainty());
+        println!("{name}, shaded: within {certainty:.1e}, {} pieces", solved.counts.samples);
+        assert!(certainty < 1e-7, "{name}, shaded: {certainty:e}");
     }
 }

@@ -42,6 +42,15 @@ impl Stretch {
     pub fn new(square: f64, middle: f64, half: f64) -> Self {
         Self { square, middle, half, distance: (square + middle * middle).sqrt() }
     }
+
+    /// Major semi-axis, in units of `half`, of the ellipse around the part that passes through the branch points; a little less, for rounding. `None` where
+    /// they are too near to tell.
+    pub fn branch_points(&self) -> Option<f64> {
+        let (from, to) = (self.middle - self.half, self.middle + self.half);
+        let (r0, r1) = ((self.square + from * from).sqrt(), (self.square + to * to).sqrt());
+        let a = (r0 + r1) / (2.0 * self.half) * (1.0 - 16.0 * f64::EPSILON);
+        (a > 1.0 && a.is_finite()).then_some(a)
+    }
 }
 
 /// Error of interpolation at Chebyshev points on a part of a line: at most `size · ρ⁻ⁿ`, and at most `crude`.
@@ -72,7 +81,7 @@ pub const DEGREES: [usize; 6] = [4, 6, 8, 12, 16, 20];
 const FAR: f64 = 3.0;
 
 /// Reach of a Gaussian's ellipse into the complex plane, in radii: farther, the Gaussian grows; nearer, ρ shrinks.
-const GAUSSIAN_REACH: f64 = 1.2;
+pub(super) const GAUSSIAN_REACH: f64 = 1.2;
 
 /// e^(−4.5).
 const GAUSSIAN_EDGE: f64 = 0.011_108_996_538_242_306;
@@ -155,13 +164,10 @@ impl Shape {
             let size = 4.0 * 1.22 * decay * self.odd(2.0 * distance);
             return Remainder { size, decay, crude: crude(distance + half) };
         }
-        let (r0, r1) = ((square + from * from).sqrt(), (square + to * to).sqrt());
-        let crude = crude(r0.max(r1));
-        // A little less, for rounding.
-        let a = (r0 + r1) / (2.0 * half) * (1.0 - 16.0 * f64::EPSILON);
-        if !(a > 1.0 && a.is_finite()) {
+        let crude = crude((square + (middle.abs() + half) * (middle.abs() + half)).sqrt());
+        let Some(a) = stretch.branch_points() else {
             return Remainder { size: f64::INFINITY, decay: 1.0, crude };
-        }
+        };
         let rho = a + (a * a - 1.0).sqrt();
         let farthest = middle.abs() + a * half;
         let size = self.odd((square + farthest * farthest).sqrt());

@@ -11,6 +11,7 @@ mod chebyshev;
 mod function;
 mod function_line;
 mod kernel_shape;
+mod kernel_slope;
 mod line;
 mod point_line;
 mod points;

@@ -2,7 +2,10 @@
 
 use super::chebyshev::{LEBESGUE, interpolation};
 use super::kernel_shape::{DEGREES, Shape, Stretch, factor};
+use super::kernel_slope::{MAX_GRADIENT_DEGREE, jumps_at_edge};
 use super::line::{Chord, Cut, FieldLine, LineModel};
+use super::poly::Poly;
+use crate::bound::largest;
 use crate::point_field::PointCrossing;
 use crate::point_kernel::PointKernel;
 use crate::point_set::PointSet;
@@ -16,6 +19,9 @@ use crate::view::Clip;
 /// `kernel_shape`), of rounding, and of how far rounding displaces points. Where a kernel bends sharply beside its point, further
 /// breakpoints are added, closer and closer to it, unless those of other points are close already.
 ///
+/// The gradient is interpolated likewise, between breakpoints that are closer together. It jumps where the ray enters or leaves a support of a cone or a
+/// Gaussian.
+///
 /// Distances are world units behind the offset of its [`Chord`](crate::field::Chord::offset).
 #[derive(Clone, Debug)]
 pub struct PointLine {
@@ -26,6 +32,10 @@ pub struct PointLine {
     first: Vec<usize>,
     inside: Vec<u32>,
     offset: f64,
+    /// Direction of the ray, where gradients are asked for.
+    gradients_along: Option<[f64; 3]>,
+    /// Places at which the gradient jumps, ascending, with the largest displacement of each by rounding.
+    jumps: Vec<(f64, f64)>,
 }
 
 /// A support as the ray meets it.
@@ -35,7 +45,8 @@ struct Support {
     half: f64,
     /// Half the length inside the kernel's core; 0 where there is none.
     core: f64,
-    /// Square of the distance, in radii.
+    /// Vector from the point to where the ray is nearest to it, in radii, and the square of its length.
+    across: [f64; 3],
     square: f64,
     per_radius: f64,
     /// Factor of the shape.
@@ -51,6 +62,15 @@ const FINE: f64 = 1.0 / (1u64 << 46) as f64;
 impl PointLine {
     /// The field along a ray, within the clip and up to the world distance `far` (an opaque layer, say); `None` where it meets no support.
     pub fn new(points: &PointSet, ray: &Ray, clip: &Clip, far: f64) -> Option<Self> {
+        Self::build(points, ray, clip, far, false)
+    }
+
+    /// The same with the gradient.
+    pub fn with_gradients(points: &PointSet, ray: &Ray, clip: &Clip, far: f64) -> Option<Self> {
+        Self::build(points, ray, clip, far, true)
+    }
+
+    fn build(points: &PointSet, ray: &Ray, clip: &Clip, far: f64, gradients: bool) -> Option<Self> {
         let [from, to] = ray.inside(clip)?;
         let to = to.min(far);
         if from >= to {
@@ -73,6 +93,7 @@ impl PointLine {
                 nearest: c.nearest,
                 half: c.half,
                 core,
+                across: (c.across / radius).to_array(),
                 square: beta * beta,
                 per_radius: 1.0 / radius,
                 amplitude: factor * points.amplitude(k),
@@ -87,14 +108,21 @@ impl PointLine {
         if ends[0] >= ends[1] {
             return None;
         }
-        let cuts = cuts(&supports, ends);
+        let cuts = cuts(&supports, ends, gradients);
         let (first, inside) = members(&supports, &cuts);
-        Some(Self { supports, cuts, first, inside, offset: crossings.offset })
+        let mut jumps = Vec::new();
+        if gradients && jumps_at_edge(kernel) {
+            let edges = |s: &Support| [-1.0, 1.0].map(|side| (s.nearest + side * s.half, s.misplaced_edge()));
+            jumps.extend(supports.iter().flat_map(edges));
+            jumps.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        }
+        let gradients_along = gradients.then(|| ray.direction.to_array());
+        Some(Self { supports, cuts, first, inside, offset: crossings.offset, gradients_along, jumps })
     }
 }
 
-/// Returns every breakpoint, ascending.
-fn cuts(supports: &[Support], ends: [f64; 2]) -> Vec<f64> {
+/// Returns every breakpoint, ascending; closer ones for gradients.
+fn cuts(supports: &[Support], ends: [f64; 2], gradients: bool) -> Vec<f64> {
     let within = |s: &f64| *s > ends[0] && *s < ends[1];
     // Where the ray crosses spheres on which the sum is not smooth.
     let mut needed = Vec::with_capacity(4 * supports.len() + 2);
@@ -110,7 +138,7 @@ fn cuts(supports: &[Support], ends: [f64; 2]) -> Vec<f64> {
     // Those besides that make interpolation converge fast, where no other is close.
     let mut all = needed.clone();
     for s in supports {
-        s.wishes(|at, length| {
+        s.wishes(gradients, |at, length| {
             let next = needed.partition_point(|&x| x <= at);
             if within(&at) && needed[next] - needed[next - 1] > length {
                 all.push(at);
@@ -158,22 +186,34 @@ impl Support {
         }
     }
 
-    /// Calls `wish` with places of breakpoints, each with the length of pieces above which it is wanted.
-    fn wishes(&self, mut wish: impl FnMut(f64, f64)) {
+    /// Largest displacement of the places at which the ray enters and leaves: where it grazes the support, that of the distance moves them far.
+    fn misplaced_edge(&self) -> f64 {
         let radius = 1.0 / self.per_radius;
-        // Nearer to the point than this, all that is not polynomial is below every error that a caller asks for: r³ here, r there.
+        let half = (self.half * self.per_radius).max(self.displaced.sqrt());
+        2.0 * radius * self.displaced * (1.0 + 1.0 / half)
+    }
+
+    /// Calls `wish` with places of breakpoints, each with the length of pieces above which it is wanted.
+    fn wishes(&self, gradients: bool, mut wish: impl FnMut(f64, f64)) {
+        let radius = 1.0 / self.per_radius;
+        // Nearer to the point than this, all that is not polynomial is below every error that a caller asks for: r³ here, r there. Of gradients, r²
+        // here; there, where the direction itself turns, what there is on so short a way.
         let floor = match self.kernel {
+            PointKernel::CubicSpline if gradients => 1e-6,
             PointKernel::CubicSpline => 1e-5,
             PointKernel::Cone => 1e-12,
             PointKernel::Gaussian => 1.0,
         };
+        // Polynomials of gradients have a lower degree: pieces are shorter.
+        let part = if gradients { 0.2 } else { 0.6 };
         let last = self.half * self.per_radius;
         let square = self.square.max(floor * floor);
         // Along the line r itself tells how far the next branch point is. On the axis there is none but the bend at the point.
         let step = |u: f64| match self.kernel {
+            PointKernel::Gaussian if gradients => 0.2,
             PointKernel::Gaussian => 0.4,
-            _ if self.square == 0.0 => f64::INFINITY,
-            _ => 0.6 * (square + u * u).sqrt(),
+            _ if self.square == 0.0 && !gradients => f64::INFINITY,
+            _ => part * (square + u * u).sqrt(),
         };
         let bends = self.square == 0.0 && self.kernel != PointKernel::Gaussian;
         wish(self.nearest, if bends { 0.0 } else { radius * step(0.0) });
@@ -200,6 +240,12 @@ impl FieldLine for PointLine {
 
     fn breakpoints(&self, out: &mut Vec<f64>) {
         out.extend_from_slice(&self.cuts);
+    }
+
+    /// Returns the displacement of a place at which the gradient jumps; of breakpoints that do not move the field it is 0.
+    fn misplaced(&self, at: f64) -> f64 {
+        let first = self.jumps.partition_point(|jump| jump.0 < at);
+        self.jumps[first..].iter().take_while(|jump| jump.0 == at).fold(0.0, |off, jump| off.max(jump.1))
     }
 
     fn between(&self, from: f64, to: f64) -> Option<LineModel> {
@@ -238,7 +284,47 @@ impl FieldLine for PointLine {
         // One rounding for each term of the sum, and a few of its value; a displaced point moves the field itself.
         let rounding = f64::EPSILON * ((parts.len() + degree + 16) as f64 * size + 4.0 * evaluation);
         let field_error = missed[chosen] + dropped + LEBESGUE * rounding + displaced;
-        Some(LineModel { field, field_error, gradient: None, gradient_error: 0.0, limits: None, certain: true })
+        let (gradient, gradient_error) = self.gradients_along.map_or((None, 0.0), |along| {
+            let (gradient, error) = self.gradient_of(inside, &parts, along);
+            (Some(gradient), error)
+        });
+        Some(LineModel { field, field_error, gradient, gradient_error, limits: None, certain: true })
+    }
+}
+
+impl PointLine {
+    /// The gradient on an interval with some supports, and the error of its components.
+    fn gradient_of(&self, inside: &[u32], parts: &[Part], along: [f64; 3]) -> ([Poly; 3], f64) {
+        // Bound the error of interpolation by each degree, that of rounding, and of what moves points: by as much across the ray as along it.
+        let degrees = DEGREES.iter().take_while(|&&n| n <= MAX_GRADIENT_DEGREE).count();
+        let mut missed = [0.0; DEGREES.len()];
+        let (mut size, mut evaluation, mut displaced) = (0.0, 0.0, 0.0);
+        for (k, part) in inside.iter().zip(parts) {
+            let (support, stretch) = (&self.supports[*k as usize], &part.stretch);
+            let amplitude = support.amplitude.abs() * support.per_radius;
+            let remainder = part.shape.gradient_remainder(stretch).all();
+            missed.iter_mut().zip(remainder).for_each(|(sum, r)| *sum += amplitude * r);
+            let nearest = (stretch.distance - stretch.half - support.displaced).max(0.0);
+            let turn = part.shape.sharpest_turn(nearest);
+            // Wherever the point is, two gradients are no farther apart than twice the steepest.
+            let steepest = part.shape.steepest_gradient(nearest);
+            size += amplitude * steepest;
+            evaluation += amplitude * (turn * (stretch.distance + stretch.half)).min(steepest / f64::EPSILON);
+            displaced += amplitude * (2.0 * turn * support.displaced).min(2.0 * (1.0 + LEBESGUE) * steepest);
+        }
+        let chosen = missed[..degrees].iter().position(|&m| m <= FINE * size).unwrap_or(degrees - 1);
+        let degree = DEGREES[chosen];
+        let rule = interpolation(degree);
+        let mut values = [[0.0; MAX_GRADIENT_DEGREE + 1]; 3];
+        for (k, part) in inside.iter().zip(parts) {
+            let support = &self.supports[*k as usize];
+            let amplitude = part.amplitude * support.per_radius;
+            part.shape.add_gradients(amplitude, &part.stretch, [support.across, along], &rule.nodes, &mut values);
+        }
+        let through = values.map(|values| rule.through(&values[..=degree], f64::EPSILON * size));
+        let dropped = largest(through.iter().map(|(_, dropped)| *dropped));
+        let rounding = f64::EPSILON * ((parts.len() + degree + 16) as f64 * size + 4.0 * evaluation);
+        (through.map(|(poly, _)| poly), missed[chosen] + dropped + LEBESGUE * rounding + displaced)
     }
 }
 

@@ -28,8 +28,17 @@ impl Field for PointSet {
         self.field(at)
     }
 
-    fn along<'a>(&'a self, ray: &Ray, clip: &Clip, far: f64, _gradients: bool) -> Option<Box<dyn FieldLine + 'a>> {
-        Some(Box::new(PointLine::new(self, ray, clip, far)?))
+    fn has_gradient(&self) -> bool {
+        true
+    }
+
+    fn gradient(&self, at: DVec3) -> Option<DVec3> {
+        Self::gradient(self, at)
+    }
+
+    fn along<'a>(&'a self, ray: &Ray, clip: &Clip, far: f64, gradients: bool) -> Option<Box<dyn FieldLine + 'a>> {
+        let line = if gradients { PointLine::with_gradients } else { PointLine::new };
+        Some(Box::new(line(self, ray, clip, far)?))
     }
 
     fn prepare_derived(&self) {

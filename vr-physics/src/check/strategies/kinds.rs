@@ -318,7 +318,8 @@ impl Parts {
     }
 }
 
-fn with_slopes(mut shading: Shading, steepest: f64) -> Shading {
+/// Returns the shading with magnitudes that are fractions of the steepest slope.
+pub(super) fn with_slopes(mut shading: Shading, steepest: f64) -> Shading {
     // Slopes that cannot be told apart are none: constant data, or values next to nothing.
     if !(steepest > 1e-300 && steepest < 1e300) {
         shading.gradient_opacity.clear();

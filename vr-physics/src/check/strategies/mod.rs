@@ -42,7 +42,7 @@ pub use grids::{grid, smooth_grid, tame_grid};
 pub use kinds::{Kind, scene_of};
 pub use looks::{compositing, filter, shading, tame_compositing};
 pub use meshes::{cell_mesh, mesh_scene, tame_mesh_scene, uneven_cubes};
-pub use points::{point_scene, point_set, tame_point_scene};
+pub use points::{point_scene, point_set, shaded_point_scene, tame_point_scene};
 pub use rectilinear::{rectilinear_grid, rectilinear_scene, tame_rectilinear_grid, tame_rectilinear_scene};
 pub use scenes::{scene, smooth_scene, tame_scene};
 pub use transfers::{smooth_transfer, tame_transfer, transfer};

@@ -3,12 +3,13 @@
 use glam::DVec3;
 use proptest::collection::vec;
 use proptest::prelude::*;
-use vr_core::{PointKernel, PointSet};
+use vr_core::{Compositing, PointKernel, PointSet, Shading, Volume};
 
-use super::assembly::{self, Look, plain_picture};
+use super::assembly::{self, Look, assemble, plain_picture};
 use super::cameras::{Viewpoint, generic};
-use super::looks::{scheme, tame_compositing};
-use super::transfers::{recipe, tame_recipe};
+use super::kinds::with_slopes;
+use super::looks::{lit, modulation, scheme, tame_compositing};
+use super::transfers::{recipe, tame_recipe, value_range};
 use crate::check::TestScene;
 
 /// 1 to 40 points with any kernel: clustered in place, with radii over two orders of magnitude, some coincident or in each other's
@@ -33,10 +34,27 @@ pub fn point_set() -> impl Strategy<Value = PointSet> {
     })
 }
 
-/// Any valid scene of points: every transfer function, every compositing, clips, rays exactly through points.
+/// Any valid scene of points: every transfer function, every compositing, clips, shading, opacity by the gradient, rays exactly through points.
 pub fn point_scene() -> impl Strategy<Value = TestScene> {
-    let look = scheme().prop_map(|compositing| Look::plain(compositing, None));
-    assembly::scenes(point_set(), recipe(), plain_picture(viewpoint()), look)
+    let modulations = prop_oneof![2 => Just(Vec::new()).boxed(), 1 => modulation().boxed()];
+    let shading = proptest::option::weighted(0.35, (lit(), modulations));
+    (point_set(), recipe(), plain_picture(viewpoint()), scheme(), shading).prop_map(
+        |(points, recipe, picture, compositing, shading)| {
+            let volume = Volume::from(points);
+            let (low, high) = value_range(&volume);
+            let steepest = (high - low) / volume.mean_spacing();
+            let lit = shading.map(|((shading, lights), gradient_opacity)| {
+                (with_slopes(Shading { gradient_opacity, ..shading }, steepest), lights)
+            });
+            assemble(volume, &recipe, &picture, Look::plain(compositing, lit))
+        },
+    )
+}
+
+/// A scene of points that are shaded, and whose picture depends continuously on every number but where a gradient vanishes.
+pub fn shaded_point_scene() -> impl Strategy<Value = TestScene> {
+    let look = lit().prop_map(|lit| Look::plain(Compositing::Over, Some(lit)));
+    assembly::scenes(point_set(), tame_recipe(), plain_picture(generic()), look)
 }
 
 /// A scene of points whose picture depends continuously on every number: no jumps, no opacity near 1, no threshold.
@@ -75,6 +93,8 @@ mod tests {
             p.radii().iter().fold(0.0f32, |m, &r| m.max(r)) / p.radii().iter().fold(f32::MAX, |m, &r| m.min(r))
         };
         some("very different radii", &|p| spread(p) > 30.0);
+        drawn::some(&scenes, "shading", |t| t.scene.shading.is_some());
+        drawn::some(&scenes, "opacity by the gradient", |t| t.scene.has_gradient_opacity());
         scenes_are_solved(&scenes);
     }
 
