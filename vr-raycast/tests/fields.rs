@@ -6,7 +6,7 @@ use glam::DVec3;
 use vr_core::field::FunctionField;
 use vr_core::phantom::{self, Phantom};
 use vr_core::{
-    Camera, Compositing, Control, ControlPoint, Feature, Model, OpacityRule, PointKernel, PointSet, RenderError,
+    Camera, Compositing, Control, ControlPoint, Feature, Light, Model, OpacityRule, PointKernel, PointSet, RenderError,
     Renderer, Scene, Shading, TransferFunction, Unsupported, View, Volume,
 };
 use vr_physics::Reference;
@@ -88,6 +88,34 @@ fn points_are_a_field_like_any_other() {
     let points = PointSet::new(positions, vec![1.0; 3], vec![1.0; 3], vec![1.0, 0.7, 0.4], PointKernel::CubicSpline);
     let scene = Scene::new(points.unwrap().into(), transfer());
     let m = error(&scene, &RayCaster { step: Step::Uniform(0.1), ..RayCaster::default() }, Some(30.0));
+    assert!(m.rmse < 1e-3, "{m}");
+}
+
+/// Shaded by the sum of the kernels' gradients, plain and with opacity by its length: the midpoint rule is of order 2, and of 1 where supports end.
+#[test]
+fn shaded_points_converge_to_the_reference() {
+    for kernel in PointKernel::ALL {
+        let positions = vec![DVec3::ZERO, DVec3::new(0.8, 0.2, -0.1), DVec3::new(-0.3, 0.9, 0.4)];
+        let points = PointSet::new(positions, vec![1.0; 3], vec![1.0; 3], vec![1.0, 0.7, 0.4], kernel).unwrap();
+        let plain = Scene::new(points.into(), transfer());
+        for gradient_opacity in [vec![], vec![(0.0, 0.1), (1.0, 1.0)]] {
+            let shading = Some(Arc::new(Shading { gradient_opacity, ..Shading::default() }));
+            let scene = Scene { shading, lights: vec![Light::default()], ..plain.clone() };
+            let errors = [0.4, 0.1, 0.025].map(|step| error(&scene, &RayCaster::uniform(step), Some(30.0)).rmse);
+            println!("{kernel}: {errors:?}");
+            assert!(errors[2] < 3e-4 && errors[2] < errors[0] / 8.0, "{kernel}: {errors:?}");
+        }
+    }
+    let positions = vec![DVec3::ZERO, DVec3::new(0.8, 0.2, -0.1)];
+    let points =
+        PointSet::new(positions, vec![1.0; 2], vec![1.0; 2], vec![1.0, 0.7], PointKernel::CubicSpline).unwrap();
+    let first = Scene {
+        compositing: Compositing::First { threshold: 0.5 },
+        shading: Some(Arc::new(Shading::default())),
+        lights: vec![Light::default()],
+        ..Scene::new(points.into(), transfer())
+    };
+    let m = error(&first, &RayCaster::uniform(0.1), None);
     assert!(m.rmse < 1e-3, "{m}");
 }
 
