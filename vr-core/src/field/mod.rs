@@ -14,6 +14,7 @@ mod kernel_shape;
 mod kernel_slope;
 mod line;
 mod point_line;
+mod point_supports;
 mod points;
 mod poly;
 mod stretch;

@@ -20,6 +20,8 @@
 //! | meshes of cells | [`mesh_scene`] | [`tame_mesh_scene`] |
 //! | adaptive meshes | [`adaptive_scene`] | [`tame_adaptive_scene`] |
 //! | rectilinear grids | [`rectilinear_scene`] | [`tame_rectilinear_scene`] |
+//!
+//! [`shaded_point_scene`]: tame, and shaded.
 
 mod adaptive;
 mod assembly;
