@@ -246,6 +246,7 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
     let camera = |fov| Camera::framing(plain.volume.bounds(), 30.0, 20.0, fov);
     let view = View::new(camera(None), [8, 8]);
     let points = PointSet::new(vec![DVec3::ONE], vec![1.0], vec![1.0], vec![1.0], PointKernel::CubicSpline);
+    let points = Volume::from(points.expect("a point"));
     let mesh = CellMesh::of_grid(plain.volume.grid().expect("a grid")).expect("cells");
     let ramp = |n: usize| (0..n * n * n).map(|i| (i % n) as f32 / n as f32).collect::<Vec<f32>>();
     let axis = vec![0.0, 0.5, 2.0];
@@ -275,7 +276,7 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
     let of_view = |name, view| (name, plain.clone(), view);
     vec![
         of_scene("volume: uniform grid", plain.clone()),
-        of_scene("volume: scattered points", with_volume(points.expect("a point").into())),
+        of_scene("volume: scattered points", with_volume(points.clone())),
         of_scene("volume: mesh of cells", with_volume(mesh.into())),
         of_scene("volume: rectilinear grid", with_volume(uneven.expect("a grid").into())),
         of_scene("volume: adaptive mesh", with_volume(adaptive.expect("a mesh").into())),
@@ -296,6 +297,7 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
         of_scene("shading", shaded(Shading::default())),
         ("shading in perspective", shaded(Shading::default()), perspective.clone()),
         of_scene("shading, analytic gradients", shaded(analytic)),
+        of_scene("shading of scattered points", Scene { volume: points, ..shaded(Shading::default()) }),
         of_scene("opacity by gradient", shaded(modulated)),
         of_scene("transfer function by gradient", Scene { transfer: Arc::new(by_rows), ..plain.clone() }),
         of_view("perspective", perspective),
