@@ -122,6 +122,8 @@ fn every_scene_is_drawn_right_or_refused() {
 /// The error that shorter steps do not go below.
 fn floor(scene: &str, renderer: &str) -> f64 {
     match (scene, renderer) {
+        // First hits on the tips of single voxels of noise: 8.5e-2 with texels of an eighth of a voxel.
+        ("modes_20039", "shearwarp") => 0.2,
         // Texels are as large as voxels: shear-warp's picture is as soft as that, whatever the distance of its slices.
         (_, "shearwarp") => 0.1,
         // A surface beside missing voxels that rays graze, in pictures of few pixels.
