@@ -77,7 +77,7 @@ pub struct GlobalArgs {
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Refuse what would take more memory, such as 4GB; what the machine, its control group and ulimit have left if absent
-    #[arg(long, global = true, value_name = "SIZE", value_parser = memory_limit::size)]
+    #[arg(long, global = true, value_name = "SIZE", value_parser = memory_limit::size, hide_short_help = true)]
     pub memory: Option<u64>,
 }
 

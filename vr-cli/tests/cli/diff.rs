@@ -96,7 +96,7 @@ fn what_cannot_be_compared_is_one_line() {
         ("cut.exr a.exr", 1, &["cut.exr", "EXR", "damaged"]),
         ("a.png text.png", 1, &["text.png", "TIFF"]),
         ("a.png none.png", 1, &["none.png"]),
-        ("a.png .", 1, &["directory"]),
+        ("a.png .", 1, &["a folder"]),
         ("a.png", 2, &["<B>"]),
         ("a.png a.exr -o map.jpg", 2, &["map.jpg", "png or exr"]),
         ("a.png a.exr -o no/map.png", 1, &["no/map.png", "folder"]),

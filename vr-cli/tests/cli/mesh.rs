@@ -104,17 +104,11 @@ fn other_commands_know_it_too() {
     let compare = json("compare --mesh square.obj --size 16 --renderer raycast --renderer shearwarp --json");
     let names: Vec<&str> =
         compare["renderers"].as_array().unwrap().iter().map(|r| r["name"].as_str().unwrap()).collect();
-    assert!(!names.is_empty() && names.iter().all(|name| name.starts_with("raycast")), "{names:?}");
+    assert!(["raycast", "shearwarp"].iter().all(|name| names.iter().any(|found| found.starts_with(name))), "{names:?}");
     let vr = Vr::new();
     vr.write("square.obj", square(0.0));
     let verify = vr.run("verify --phantom fog --phantom-size 16 --mesh square.obj --renderer shearwarp --no-cache");
-    assert_eq!(
-        (verify.code, verify.stdout.contains("opaque surfaces")),
-        (1, true),
-        "{}{}",
-        verify.stdout,
-        verify.stderr
-    );
+    assert!(verify.code == 0 && verify.stdout.contains("as documented"), "{}{}", verify.stdout, verify.stderr);
 }
 
 #[test]

@@ -23,7 +23,7 @@ const INPUTS: [&str; 8] = [
 fn devices_and_pipes_are_refused_by_their_kind() {
     let vr = Vr::new();
     assert!(Command::new("mkfifo").arg(vr.folder().join("pipe")).status().unwrap().success());
-    for (file, kind) in [("pipe", "a pipe"), ("/dev/zero", "a device"), (".", "a folder")] {
+    for (file, kind) in [("./pipe", "a pipe"), ("/dev/zero", "a device"), (".", "a folder")] {
         for input in INPUTS.iter().filter(|input| file != "." || !["info @", "render @ --size 4"].contains(input)) {
             let command = input.replace('@', file);
             let run = vr.run(&command);
@@ -44,7 +44,7 @@ fn names_are_bytes() {
         assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
     };
     let word = OsStr::new;
-    run(&[word("convert"), word("--phantom"), word("blobs"), word("--phantom-size"), word("8"), name]);
+    run(&[word("convert"), word("--phantom"), word("blobs"), word("--phantom-size"), word("8"), word("-o"), name]);
     run(&[word("info"), name]);
     run(&[word("render"), name, word("--size"), word("8"), word("-o"), picture]);
     run(&[word("diff"), picture, picture]);
