@@ -42,13 +42,9 @@ fn a_file_of_rows_is_printed_drawn_and_copied() {
     assert!(copy.stdout.contains("\"gradient\""), "{}", copy.stdout);
     let refused = vr.run("tf rows.toml -o x.json");
     assert!(refused.code != 0 && refused.stderr.contains("held by .toml alone"), "{}", refused.stderr);
-    for renderer in ["texslice"] {
-        let arguments = format!(
-            "render --phantom hydrogen --phantom-size 16 --transfer rows.toml --renderer {renderer} {SMALL} -o r.png"
-        );
-        let run = vr.run(&arguments);
-        assert!(run.code != 0 && run.stderr.contains("gradient"), "{renderer}: {}", run.stderr);
-    }
+    let arguments = "render --phantom hydrogen --phantom-size 16 --transfer rows.toml --renderer texslice";
+    let run = vr.run(&format!("{arguments} {SMALL} -o r.png"));
+    assert!(run.code != 0 && run.stderr.contains("gradient"), "{}", run.stderr);
 }
 
 #[test]
