@@ -47,7 +47,8 @@ pub(crate) fn read(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
 /// Reads a whole file of UTF-8, of at most `limit` bytes.
 ///
 /// # Errors
-/// Those of [`read`], and [`ErrorKind::InvalidData`] for other bytes, naming the first of them.
+/// Those of the system, [`ErrorKind::InvalidInput`] for anything but a regular file, [`ErrorKind::FileTooLarge`] for a longer one, and
+/// [`ErrorKind::InvalidData`] for other bytes, naming the first of them.
 pub fn read_text(path: impl AsRef<Path>, limit: u64) -> io::Result<String> {
     String::from_utf8(read(path.as_ref(), limit)?).map_err(|e| {
         let message = format!("is no text: byte {} is not UTF-8", e.utf8_error().valid_up_to());
