@@ -15,12 +15,12 @@ pub fn cpu_time() -> Option<Duration> {
 /// Returns the largest resident set in bytes since the start, pages of mapped files among them (Linux).
 pub fn peak_bytes() -> Option<u64> {
     // Other systems have no such file.
-    peak_of(&std::fs::read_to_string("/proc/self/status").ok()?)
+    kibibytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
-/// Returns the peak in Linux's description of a process: a line such as `VmHWM:     12345 kB`.
-fn peak_of(status: &str) -> Option<u64> {
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+/// Returns the bytes that a line such as `VmHWM:     12345 kB` in one of Linux's descriptions tells.
+pub fn kibibytes(text: &str, key: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim_end().parse().ok()?;
     kibibytes.checked_mul(1024)
 }
@@ -34,10 +34,10 @@ mod tests {
 
     #[test]
     fn the_peak_is_read_and_never_guessed() {
-        assert_eq!(peak_of("Name:\tvr\nVmPeak:\t  900 kB\nVmHWM:\t     12 kB\n"), Some(12 * 1024));
+        assert_eq!(kibibytes("Name:\tvr\nVmPeak:\t  900 kB\nVmHWM:\t     12 kB\n", "VmHWM:"), Some(12 * 1024));
         for other in ["", "Name:\tvr\n", "VmHWM:\n", "VmHWM: 12\n", "VmHWM: x kB\n", "VmHWM: 99999999999999999999 kB\n"]
         {
-            assert_eq!(peak_of(other), None, "{other:?}");
+            assert_eq!(kibibytes(other, "VmHWM:"), None, "{other:?}");
         }
     }
 

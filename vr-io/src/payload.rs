@@ -8,7 +8,7 @@ use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use bytemuck::Zeroable;
-use vr_core::{GridError, parallel};
+use vr_core::{GridError, memory, parallel};
 
 use crate::decode::with_scalar;
 use crate::encoding::{Encoding, invalid};
@@ -90,9 +90,13 @@ impl Payload {
             .ok_or_else(|| FileError::new(header, GridError::Dims { dims: layout.dims }))?;
 
         // Map the file where its bytes are the voxels as memory holds them.
+        let as_stored = self.endian == Endian::NATIVE || size == 1;
         if let [segment] = self.segments.as_slice()
             && options.map
-            && self.can_be_mapped(layout)
+            && as_stored
+            && with_scalar!(self.scalar, S => S::IS_MEMORY_TYPE)
+            && self.encoding == Encoding::Raw
+            && layout.is_contiguous()
         {
             let (file, offset) = self.locate(header, segment, bytes, notes)?;
             let first = offset + (layout.offset * size) as u64;
@@ -103,6 +107,11 @@ impl Payload {
                 }
             });
         }
+
+        // What is read needs memory: scattered voxels are picked out of all.
+        let all = if layout.is_contiguous() { 0 } else { layout.total as u64 };
+        memory::check("the volume", all.saturating_add(layout.count() as u64).saturating_mul(size as u64))
+            .map_err(|e| FileError::new(header, e))?;
 
         // Slices in files of their own are read side by side.
         if self.segments.len() > 1 && self.encoding == Encoding::Raw && layout.is_contiguous() {
@@ -123,16 +132,6 @@ impl Payload {
             let out = if contiguous { run.out } else { layout.pick(&run.out) };
             Ok(S::remember(Stored::Owned(out), notes))
         })
-    }
-
-    /// True if the voxels that a layout picks may stay in their file.
-    pub fn can_be_mapped(&self, layout: &Layout) -> bool {
-        let as_stored = self.endian == Endian::NATIVE || self.scalar.bytes() == 1;
-        self.segments.len() == 1
-            && as_stored
-            && with_scalar!(self.scalar, S => S::IS_MEMORY_TYPE)
-            && self.encoding == Encoding::Raw
-            && layout.is_contiguous()
     }
 
     /// Reads all segments, one after the other, and keeps a run of their numbers.

@@ -1,11 +1,14 @@
 //! The one way to open a file that is read. Devices, pipes and sockets are refused before they are opened: they may never end, and opening
-//! a pipe waits for somebody to write to it.
+//! a pipe blocks until another process writes to it.
 
 use std::fs::{self, File, FileType};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
 use vr_core::memory;
+
+/// Longest text that a person writes, and that is parsed as a whole: four times a scene file with a volume of 64³ voxels in it.
+pub(crate) const MAX_TEXT: u64 = 1 << 24;
 
 /// Opens a file.
 ///

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use vr_core::memory::{self, MemoryError};
+use vr_core::memory;
 
 use crate::decode::with_scalar;
 use crate::error::{FileError, FileErrorKind};
@@ -77,21 +77,6 @@ impl Source {
         }
     }
 
-    /// True if the voxels need not be read, for their bytes are what memory holds.
-    fn stays_in_file(&self, layout: &Layout, options: &ReadOptions) -> bool {
-        matches!(self, Self::Files(payload) if options.map && payload.can_be_mapped(layout))
-    }
-
-    /// Largest number of bytes that are in memory at a time while the voxels of a layout are read.
-    fn memory(&self, layout: &Layout) -> u64 {
-        let read = match self {
-            Self::Files(_) if layout.is_contiguous() => layout.count(),
-            // Scattered numbers are picked out of all of them, and a decoder gives all of them.
-            Self::Files(_) | Self::Decoded(_) => layout.total.saturating_add(layout.count()),
-        };
-        (read as u64).saturating_mul(self.scalar().bytes() as u64)
-    }
-
     /// Reads the voxels that `layout` picks; `header` is the file that errors about the whole belong to.
     pub fn load(
         self,
@@ -100,14 +85,14 @@ impl Source {
         options: &ReadOptions,
         notes: &mut Vec<String>,
     ) -> Result<Voxels, FileError> {
-        let in_file = |e: MemoryError| FileError::new(header, e);
-        if !self.stays_in_file(layout, options) {
-            memory::check("the volume", self.memory(layout)).map_err(in_file)?;
-        }
         match self {
             Self::Files(payload) => payload.load(header, layout, options, notes),
             Self::Decoded(decoded) => {
                 let (scalar, endian) = (decoded.scalar, decoded.endian);
+                // A decoder gives all numbers, of which the voxels are picked.
+                let given = (layout.total as u64).saturating_add(layout.count() as u64);
+                memory::check("the volume", given.saturating_mul(scalar.bytes() as u64))
+                    .map_err(|e| FileError::new(header, e))?;
                 let bytes = (decoded.decode)(notes)?;
                 with_scalar!(scalar, S => numbers::<S>(&bytes, endian, header, layout, notes))
             }

@@ -13,7 +13,7 @@ use vr_core::parallel::locked;
 const PREFIX: &str = ".vr-";
 const SUFFIX: &str = ".part";
 
-/// Age from which nobody writes to a temporary file any more.
+/// Age at which a temporary file is taken for the leftover of a killed run.
 const OLD: Duration = Duration::from_secs(24 * 60 * 60);
 
 /// Places of all writes that are under way in this process.

@@ -85,16 +85,13 @@ pub struct Key {
     pub clip: Option<Clip>,
 }
 
-/// Longest file of key frames.
-const MAX_BYTES: u64 = 1 << 24;
-
 /// Reads a file of key frames.
 ///
 /// # Errors
 /// A [`SceneFileError`] naming the file and the line or the key.
 pub fn read_keys(path: impl AsRef<Path>) -> Result<KeyFile, SceneFileError> {
     let path = path.as_ref();
-    let text = regular_file::read_text(path, MAX_BYTES).map_err(|e| FileError::new(path, e))?;
+    let text = regular_file::read_text(path, regular_file::MAX_TEXT).map_err(|e| FileError::new(path, e))?;
     parse_keys(&text, path)
 }
 

@@ -8,9 +8,6 @@ use super::entry::LabelEntry;
 use crate::error::{FieldError, FileError};
 use crate::regular_file;
 
-/// Largest list that is read, in bytes.
-const MAX_BYTES: u64 = 1 << 24;
-
 /// Reads a list of labels with names and colours: a label description of ITK-SNAP (`IDX R G B A VIS MSH "NAME"`), a lookup table of FreeSurfer
 /// or a colour table of 3D Slicer (`IDX NAME R G B A`), or a table with commas and a line of names (`LabelValue,Name,Color_R,…`).
 ///
@@ -20,7 +17,7 @@ const MAX_BYTES: u64 = 1 << 24;
 /// A [`FileError`] that names the line, what was found and what is allowed.
 pub fn read_label_list(path: impl AsRef<Path>) -> Result<Vec<LabelEntry>, FileError> {
     let path = path.as_ref();
-    let bytes = regular_file::read(path, MAX_BYTES).map_err(|e| FileError::new(path, e))?;
+    let bytes = regular_file::read(path, regular_file::MAX_TEXT).map_err(|e| FileError::new(path, e))?;
     parse_label_list(&String::from_utf8_lossy(&bytes), path)
 }
 

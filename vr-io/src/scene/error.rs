@@ -20,7 +20,7 @@ pub enum SceneFileError {
     Memory {
         /// The file; empty where the scene is from none.
         path: PathBuf,
-        /// What it is, and what it would need.
+        /// The name of what does not fit, its size, and the memory that is left.
         source: MemoryError,
     },
     /// The picture of an environment map.

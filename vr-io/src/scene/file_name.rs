@@ -1,11 +1,9 @@
 //! Names of files in scene files.
 
-use std::convert::Infallible;
 use std::ffi::OsStr;
 use std::fmt;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -46,14 +44,6 @@ impl fmt::Display for FileName {
 impl<T: AsRef<OsStr>> From<T> for FileName {
     fn from(path: T) -> Self {
         Self(path.as_ref().into())
-    }
-}
-
-impl FromStr for FileName {
-    type Err = Infallible;
-
-    fn from_str(path: &str) -> Result<Self, Infallible> {
-        Ok(path.into())
     }
 }
 

@@ -47,9 +47,7 @@ pub use transfer_points::{TransferPoints, TransferRowSection};
 pub use volume::{LoadedVolume, load_volume};
 pub use volume_section::{FileSource, GridDescription, VolumeSection, VolumeSource};
 
-/// Longest scene file: four times one with a volume of 64³ voxels in it. The parser takes fifty times as much memory.
-const MAX_BYTES: u64 = 1 << 24;
-/// Memory of the parser for a byte of text.
+/// Bytes of memory that the parser takes for a byte of text.
 const PARSED: u64 = 50;
 
 /// Reads a scene file, without the files that it names.
@@ -58,7 +56,7 @@ const PARSED: u64 = 50;
 /// A [`SceneFileError`] naming the file and the line; an unknown key comes with the known one most like it.
 pub fn read_scene(path: impl AsRef<Path>) -> Result<SceneFile, SceneFileError> {
     let path = path.as_ref();
-    let text = regular_file::read_text(path, MAX_BYTES).map_err(|e| FileError::new(path, e))?;
+    let text = regular_file::read_text(path, regular_file::MAX_TEXT).map_err(|e| FileError::new(path, e))?;
     parse_scene(&text, path)
 }
 

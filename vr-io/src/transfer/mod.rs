@@ -108,9 +108,6 @@ fn stretched(points: &[ControlPoint], range: (f64, f64)) -> Vec<ControlPoint> {
     }
 }
 
-/// Largest file: a transfer function is a text of some kilobytes.
-const MAX_BYTES: u64 = 1 << 24;
-
 /// Most points of a transfer function.
 const MAX_POINTS: usize = 1 << 16;
 
@@ -127,7 +124,7 @@ const FORMATS: &str = "ParaView's JSON or XML, 3D Slicer's .vp, .vp.json or pres
 /// A [`FileError`] naming the file and the field.
 pub fn read_transfer(path: impl AsRef<Path>) -> Result<TransferFile, FileError> {
     let path = path.as_ref();
-    let bytes = regular_file::read(path, MAX_BYTES).map_err(|e| FileError::new(path, e))?;
+    let bytes = regular_file::read(path, regular_file::MAX_TEXT).map_err(|e| FileError::new(path, e))?;
     parse_transfer(&bytes, path)
 }
 

@@ -8,7 +8,6 @@ use vr_core::ControlPoint;
 use crate::error::{FieldError, FileError, shown};
 use crate::regular_file;
 
-use super::MAX_BYTES;
 use super::color_space::ColorSpace;
 use super::curves::{self, growing, merge};
 use super::{opacity, stretched};
@@ -60,7 +59,7 @@ fn rgb() -> String {
 /// A [`FileError`] naming the file and the field.
 pub fn read_color_maps(path: impl AsRef<Path>) -> Result<Vec<ColorMap>, FileError> {
     let path = path.as_ref();
-    let text = regular_file::read_text(path, MAX_BYTES).map_err(|e| FileError::new(path, e))?;
+    let text = regular_file::read_text(path, regular_file::MAX_TEXT).map_err(|e| FileError::new(path, e))?;
     parse_color_maps(&text, path)
 }
 

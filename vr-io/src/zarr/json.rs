@@ -41,8 +41,7 @@ impl Node {
 
 /// A file of JSON; longer than any that describes arrays is refused.
 fn parse(path: &Path) -> Result<Value, FileError> {
-    const MAX_BYTES: u64 = 1 << 24;
-    let text = regular_file::read(path, MAX_BYTES).map_err(|e| FileError::new(path, e))?;
+    let text = regular_file::read(path, regular_file::MAX_TEXT).map_err(|e| FileError::new(path, e))?;
     serde_json::from_slice(&text).map_err(|e| FieldError::new("JSON", e, "must be whole").in_file(path))
 }
 
