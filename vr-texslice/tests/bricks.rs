@@ -1,5 +1,7 @@
 //! A picture brick by brick is the picture through one texture, bit for bit: whatever the texture, the operator, the blend and the shading.
 
+mod every_setting;
+
 use std::sync::Arc;
 
 use proptest::prelude::*;
@@ -10,50 +12,28 @@ use vr_physics::check::pictures::*;
 use vr_physics::check::strategies::{Kind, scene_of};
 use vr_texslice::{Blend, Format, Proxy, TextureSlicer};
 
-const FORMATS: [Format; 6] =
-    [Format::Scalar, Format::PreIntegrated, Format::Compressed, Format::Rgba, Format::LuminanceAlpha, Format::Paletted];
-const PROXIES: [Proxy; 2] = [Proxy::Planes, Proxy::Shells];
-const OPERATORS: [Compositing; 6] = [
-    Compositing::Over,
-    Compositing::Accumulate { level: 0.3 },
-    Compositing::Average,
-    Compositing::Maximum,
-    Compositing::Minimum,
-    Compositing::First { threshold: 0.45 },
-];
+use every_setting::{FORMATS, OPERATORS, layered};
 
+const PROXIES: [Proxy; 2] = [Proxy::Planes, Proxy::Shells];
 /// Mebibytes for bricks: all of those with the smallest texels, and three or so of those with the largest.
 const BUDGET: f64 = 0.06;
 
 /// Returns the pictures through one texture and through bricks within a small budget; `None` if both are refused.
 fn both(renderer: &TextureSlicer, edge: u32, scene: &Scene, view: &View) -> Option<[Rendered; 2]> {
-    let control = Control::default();
-    let of = |renderer: TextureSlicer| {
-        let drawn = renderer.prepare(scene, &control);
-        drawn.and_then(|mut prepared| prepared.render(view, &control))
-    };
     let bricked = TextureSlicer { brick: Some(edge), budget: BUDGET, ..renderer.clone() };
-    match (of(renderer.clone()), of(bricked)) {
-        (Ok(whole), Ok(bricks)) => Some([whole, bricks]),
-        (Err(whole), Err(bricks)) => {
-            assert_eq!(whole.to_string(), bricks.to_string());
-            None
-        }
-        (whole, bricks) => panic!("{renderer:?}: {:?}, in bricks: {:?}", whole.err(), bricks.err()),
-    }
+    every_setting::both([renderer.clone(), bricked], scene, view)
 }
 
-/// Grey fog of 22³ samples: three bricks of eight cells along each axis, the last ones smaller.
+/// Grey fog of three bricks of eight cells along each axis, the last ones smaller.
 fn grey<T: phantom::Quantize>() -> Scene
 where
     AnyGrid: From<UniformGrid<T>>,
 {
-    let mut scene = phantom_scene::<T>("fog", 22, 1.0);
-    let mut points = scene.transfer.points().to_vec();
-    points.iter_mut().for_each(|p| p.color = [p.color[1]; 3]);
-    let transfer = TransferFunction::new(points, scene.transfer.rule(), scene.transfer.unit_distance());
-    scene.transfer = Arc::new(transfer.unwrap());
-    scene
+    every_setting::grey::<T>(22)
+}
+
+fn views(scene: &Scene) -> Vec<View> {
+    every_setting::views(scene, [22, 19], [90.0, 0.0])
 }
 
 /// The same with a lone missing voxel on a face of bricks, and a wall of missing ones.
@@ -69,20 +49,6 @@ fn holed(scene: Scene) -> Scene {
     }
     let holed = UniformGrid::new([nx, ny, nz], samples, *grid.placement(), grid.calibration()).unwrap();
     Scene { volume: holed.into(), ..scene }
-}
-
-/// Views in parallel and in perspective, along an axis, clipped, and from inside, with rays in all directions.
-fn views(scene: &Scene) -> Vec<View> {
-    let from = |azimuth, elevation, fov| View { size: [22, 19], ..view(scene, azimuth, elevation, fov, 19) };
-    let cut = Plane { normal: glam::DVec3::new(2.0, 0.6, -0.4), offset: 0.2 };
-    let crop = Some((glam::DVec3::splat(-0.7), glam::DVec3::new(0.8, 0.5, 0.9)));
-    let clipped = View { clip: Clip { crop, planes: vec![cut] }, ..from(33.0, 21.0, Some(40.0)) };
-    let mut inside = from(20.0, 10.0, Some(110.0));
-    let (low, high) = scene.volume.bounds();
-    let eye = low + (high - low) * glam::DVec3::new(0.6, 0.45, 0.3);
-    inside.camera.target = eye + (inside.camera.target - inside.camera.eye);
-    inside.camera.eye = eye;
-    vec![from(0.0, 0.0, None), from(90.0, 0.0, None), from(140.0, -30.0, Some(80.0)), clipped, inside]
 }
 
 #[test]
@@ -145,13 +111,7 @@ fn several_samples_a_pixel_opaque_layers_and_threads() {
     let scene = Scene { shading: Some(Arc::new(Shading::default())), ..grey::<u16>() };
     for view in views(&scene).into_iter().skip(1) {
         let several = View { supersampling: 2, ..view.clone() };
-        let rays = Rays::new(&view).unwrap();
-        let pixel = |i: u32| {
-            let ray = rays.at(f64::from(i % 22) + 0.5, f64::from(i / 22) + 0.5);
-            let middle = scene.volume.bounds().0 * 0.5 + scene.volume.bounds().1 * 0.5;
-            ([0.3, 0.6, 0.1], (ray.direction.dot(middle - ray.origin)).max(0.2) as f32)
-        };
-        let layered = vr_physics::check::FixedLayer::new(&view, pixel).among(&scene);
+        let layered = layered(&scene, &view);
         for format in FORMATS {
             let renderer = TextureSlicer { format, ..TextureSlicer::default() };
             for (scene, view) in [(&scene, &several), (&layered, &view)] {

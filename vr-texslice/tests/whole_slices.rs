@@ -1,5 +1,7 @@
 //! A picture slice by slice is the picture tile by tile, bit for bit: each slab's triangles are rasterised, and its fragments go through the same stages.
 
+mod every_setting;
+
 use std::sync::Arc;
 
 use proptest::prelude::*;
@@ -10,57 +12,23 @@ use vr_physics::check::pictures::*;
 use vr_physics::check::strategies::{Kind, scene_of};
 use vr_texslice::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
 
-const FORMATS: [Format; 6] =
-    [Format::Scalar, Format::PreIntegrated, Format::Compressed, Format::Rgba, Format::LuminanceAlpha, Format::Paletted];
-const PROXIES: [Proxy; 3] = [Proxy::Planes, Proxy::Shells, Proxy::Stacks];
-const OPERATORS: [Compositing; 6] = [
-    Compositing::Over,
-    Compositing::Accumulate { level: 0.3 },
-    Compositing::Average,
-    Compositing::Maximum,
-    Compositing::Minimum,
-    Compositing::First { threshold: 0.45 },
-];
+use every_setting::{FORMATS, OPERATORS, both, layered};
 
+const PROXIES: [Proxy; 3] = [Proxy::Planes, Proxy::Shells, Proxy::Stacks];
 /// Returns the pictures in both orders, tiles first; `None` if both orders refuse.
 fn in_both_orders(renderer: &TextureSlicer, scene: &Scene, view: &View) -> Option<[Rendered; 2]> {
-    let control = Control::default();
-    let of = |order| {
-        let drawn = TextureSlicer { order, ..renderer.clone() }.prepare(scene, &control);
-        drawn.and_then(|mut prepared| prepared.render(view, &control))
-    };
-    match (of(DrawOrder::Tiles), of(DrawOrder::Slices)) {
-        (Ok(tiles), Ok(slices)) => Some([tiles, slices]),
-        (Err(tiles), Err(slices)) => {
-            assert_eq!(tiles.to_string(), slices.to_string());
-            None
-        }
-        (tiles, slices) => panic!("tiles: {:?}, slices: {:?}", tiles.err(), slices.err()),
-    }
+    let of = |order| TextureSlicer { order, ..renderer.clone() };
+    both([of(DrawOrder::Tiles), of(DrawOrder::Slices)], scene, view)
 }
 
-/// Grey fog in a small box, 23 pixels high: no multiple of four.
+/// Grey fog in a small box.
 fn grey() -> Scene {
-    let mut scene = phantom_scene::<u8>("fog", 14, 1.0);
-    let mut points = scene.transfer.points().to_vec();
-    points.iter_mut().for_each(|p| p.color = [p.color[1]; 3]);
-    let transfer = TransferFunction::new(points, scene.transfer.rule(), scene.transfer.unit_distance());
-    scene.transfer = Arc::new(transfer.unwrap());
-    scene
+    every_setting::grey::<u8>(14)
 }
 
-/// Views in parallel and in perspective, along an axis, clipped, and from inside, with rays in all directions.
+/// Pictures 23 pixels high: no multiple of four.
 fn views(scene: &Scene) -> Vec<View> {
-    let from = |azimuth, elevation, fov| View { size: [26, 23], ..view(scene, azimuth, elevation, fov, 23) };
-    let cut = Plane { normal: glam::DVec3::new(2.0, 0.6, -0.4), offset: 0.2 };
-    let crop = Some((glam::DVec3::splat(-0.7), glam::DVec3::new(0.8, 0.5, 0.9)));
-    let clipped = View { clip: Clip { crop, planes: vec![cut] }, ..from(33.0, 21.0, Some(40.0)) };
-    let mut inside = from(20.0, 10.0, Some(110.0));
-    let (low, high) = scene.volume.bounds();
-    let eye = low + (high - low) * glam::DVec3::new(0.6, 0.45, 0.3);
-    inside.camera.target = eye + (inside.camera.target - inside.camera.eye);
-    inside.camera.eye = eye;
-    vec![from(0.0, 0.0, None), from(33.0, 21.0, None), from(140.0, -30.0, Some(80.0)), clipped, inside]
+    every_setting::views(scene, [26, 23], [33.0, 21.0])
 }
 
 #[test]
@@ -96,13 +64,7 @@ fn several_samples_a_pixel_and_opaque_layers() {
     let scene = grey();
     for view in views(&scene) {
         let several = View { supersampling: 3, ..view.clone() };
-        let rays = Rays::new(&view).unwrap();
-        let pixel = |i: u32| {
-            let ray = rays.at(f64::from(i % 26) + 0.5, f64::from(i / 26) + 0.5);
-            let middle = scene.volume.bounds().0 * 0.5 + scene.volume.bounds().1 * 0.5;
-            ([0.3, 0.6, 0.1], (ray.direction.dot(middle - ray.origin)).max(0.2) as f32)
-        };
-        let layered = vr_physics::check::FixedLayer::new(&view, pixel).among(&scene);
+        let layered = layered(&scene, &view);
         for proxy in PROXIES {
             for format in [Format::Scalar, Format::PreIntegrated] {
                 let renderer = TextureSlicer { format, proxy, ..TextureSlicer::default() };
