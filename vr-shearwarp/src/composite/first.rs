@@ -4,8 +4,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 use vr_kernels::vector::{LANES, pick, splat};
 
-use super::cells::{Columns, Edges, STEPS_F32, values};
-use super::kernel::{Added, Chunk, Kernel, PLACE, Row, Seen};
+use super::cells::{Columns, Edges, values};
+use super::kernel::{Added, Chunk, Kernel, Row, Seen};
 use crate::codes::Code;
 use crate::isosurface::Isosurface;
 
@@ -35,18 +35,13 @@ impl<P: Code> Kernel for First<'_, P> {
     ) -> Added {
         let places = columns.places::<S, UNIT>(simd, edges.last);
         let value: f32x16<S> = values::<S, P, N, UNIT>(simd, self.voxels, edges, &places);
-        let mut counts = f32x16::load_array_ref(simd, &STEPS_F32).simd_lt(splat(simd, at.n as f32));
-        if let Some(shares) = shares {
-            counts &= f32x16::load_array_ref(simd, shares).simd_ge(splat(simd, 0.0));
-        }
         let opacity = row.lanes(3, at.x);
         let before = f32x16::load_array_ref(simd, opacity);
-        let open = counts & before.simd_le(splat(simd, 0.0));
+        let open = at.taking(simd, shares) & before.simd_le(splat(simd, 0.0));
         let reached = open & (value * self.sign).simd_ge(splat(simd, self.threshold));
         if reached.any_true() {
             *opacity = pick(reached, splat(simd, 1.0), before).to_array();
-            let places = row.lanes(PLACE, at.x);
-            *places = pick(reached, splat(simd, at.slice), f32x16::load_array_ref(simd, places)).to_array();
+            row.note(simd, at.x, reached, at.slice);
         }
         Added { samples: (open.to_bitmask() as u32).count_ones(), closed: reached.to_bitmask() as u32 }
     }

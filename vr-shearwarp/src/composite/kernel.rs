@@ -1,9 +1,10 @@
 //! Operations on samples: compositing, or picking the largest, say.
 
-use fearless_simd::Simd;
-use vr_kernels::vector::LANES;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, mask32x16};
+use vr_kernels::vector::{LANES, pick, splat};
 
-use super::cells::{Columns, Edges};
+use super::cells::{Columns, Edges, STEPS_F32};
 use crate::slices::Slices;
 
 /// Operation on the samples under texels of one row, in one run of cells.
@@ -31,7 +32,7 @@ pub(crate) trait Kernel: Sync {
     fn finish(&self, seen: &Seen<'_>, texel: &mut [f32; 4]) -> f64;
 }
 
-/// What a texel sees: a place in one of its slices.
+/// The place on a texel's ray at which it sees something, in one of its slices.
 pub(crate) struct Seen<'a> {
     pub(crate) slices: &'a Slices,
     /// Index of the slice.
@@ -67,6 +68,18 @@ pub(crate) struct Chunk {
     pub(crate) n: usize,
     /// Number of the slice, from 1 on.
     pub(crate) slice: f32,
+}
+
+impl Chunk {
+    /// The texels that take a sample, given the shares of the distance between slices that samples stand for.
+    #[inline(always)]
+    pub(super) fn taking<S: Simd>(&self, simd: S, shares: Option<&[f32; LANES]>) -> mask32x16<S> {
+        let taking = f32x16::load_array_ref(simd, &STEPS_F32).simd_lt(splat(simd, self.n as f32));
+        match shares {
+            Some(shares) => taking & f32x16::load_array_ref(simd, shares).simd_ge(splat(simd, 0.0)),
+            None => taking,
+        }
+    }
 }
 
 /// A row of texels while it is worked on: all reds, all greens, all blues, all opacities, and all places of what is seen, each with room for a
@@ -111,6 +124,13 @@ impl<'a> Row<'a> {
     #[inline(always)]
     pub(crate) fn lanes(&mut self, component: usize, x: usize) -> &mut [f32; LANES] {
         self.several(component, x)
+    }
+
+    /// Notes a place for some of sixteen texels, from x on.
+    #[inline(always)]
+    pub(super) fn note<S: Simd>(&mut self, simd: S, x: usize, which: mask32x16<S>, place: f32) {
+        let places = self.lanes(PLACE, x);
+        *places = pick(which, splat(simd, place), f32x16::load_array_ref(simd, places)).to_array();
     }
 
     /// The texels, one after another.

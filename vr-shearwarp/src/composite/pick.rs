@@ -2,10 +2,10 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_kernels::vector::{LANES, Operator, pick, splat};
+use vr_kernels::vector::{LANES, Operator, splat};
 
-use super::cells::{Columns, Edges, STEPS_F32, values};
-use super::kernel::{Added, Chunk, Kernel, PLACE, Row, Seen};
+use super::cells::{Columns, Edges, values};
+use super::kernel::{Added, Chunk, Kernel, Row, Seen};
 use crate::codes::Code;
 
 /// Texels hold (value, weight, 0, 0) until they are classified; weight 0 where no sample was.
@@ -36,21 +36,16 @@ impl<P: Code> Kernel for Pick<'_, P> {
         let value: f32x16<S> = values::<S, P, N, UNIT>(simd, self.voxels, edges, &places);
         let so_far =
             [f32x16::load_array_ref(simd, row.lanes(0, at.x)), f32x16::load_array_ref(simd, row.lanes(1, at.x))];
-        let mut counts = f32x16::load_array_ref(simd, &STEPS_F32).simd_lt(splat(simd, at.n as f32));
-        let mut share = splat(simd, 1.0);
-        if let Some(shares) = shares {
-            let shares = f32x16::load_array_ref(simd, shares);
-            counts &= shares.simd_ge(splat(simd, 0.0));
-            share = shares.max(splat(simd, MIN_SHARE));
-        }
+        let counts = at.taking(simd, shares);
+        let share =
+            shares.map_or(splat(simd, 1.0), |shares| f32x16::load_array_ref(simd, shares).max(splat(simd, MIN_SHARE)));
         let [chosen, weight] = self.operator.choose(simd, so_far, [value, share], counts);
         *row.lanes(0, at.x) = chosen.to_array();
         *row.lanes(1, at.x) = weight.to_array();
         if let Operator::Extreme { .. } = self.operator {
             let first = so_far[1].simd_le(splat(simd, 0.0));
             let changed = counts & (first | (chosen - so_far[0]).abs().simd_gt(splat(simd, 0.0)));
-            let places = row.lanes(PLACE, at.x);
-            *places = pick(changed, splat(simd, at.slice), f32x16::load_array_ref(simd, places)).to_array();
+            row.note(simd, at.x, changed, at.slice);
         }
         Added { samples: at.n as u32, closed: 0 }
     }
