@@ -133,7 +133,7 @@ fn own_subject(setup: &mut Setup, args: &ReportArgs, suite: Suite) -> Result<(Su
     Ok((Subject { name, title, scene, view, phantom, origin }, text))
 }
 
-/// Refuses a folder that holds files of a report's names and is no folder of a report: somebody's own pages, say.
+/// Refuses a folder in which a report would replace files that are not from an earlier report.
 fn check_folder(folder: &Path, journal: &Path) -> Result<(), Failure> {
     let page = folder.join(PAGE);
     let is_ours = journal.exists() || vr_io::read_text(&page, LONGEST).is_ok_and(|text| is_page(&text));

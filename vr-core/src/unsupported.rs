@@ -10,11 +10,11 @@ use crate::volume::Volume;
 /// ```
 /// use vr_core::{Feature, Unsupported};
 ///
-/// let what = "opaque surfaces: a texel of the intermediate image is no pixel".to_owned();
-/// let refusal = Unsupported { renderer: "shear-warp", feature: Feature::Surfaces, what };
+/// let what = "the filter 'nearest': slices are interpolated linearly".to_owned();
+/// let refusal = Unsupported { renderer: "shear-warp", feature: Feature::Filter, what };
 /// assert_eq!(
 ///     refusal.to_string(),
-///     "renderer shear-warp does not support opaque surfaces: a texel of the intermediate image is no pixel"
+///     "renderer shear-warp does not support the filter 'nearest': slices are interpolated linearly"
 /// );
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -24,7 +24,7 @@ pub struct Unsupported {
     pub renderer: &'static str,
     /// The feature that it lacks.
     pub feature: Feature,
-    /// The feature in words, with the reason, as a message ends: `opaque surfaces: a texel of the intermediate image is no pixel`.
+    /// The feature in words, with the reason, as a message ends: `the filter 'nearest': slices are interpolated linearly`.
     pub what: String,
 }
 

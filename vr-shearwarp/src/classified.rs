@@ -13,7 +13,7 @@ use crate::steepness::{Steepness, optics};
 /// Tables that follow from the transfer function.
 pub(crate) struct Classified {
     pub(crate) visibility: VisibleLevels,
-    /// Of the value alone: where opacity follows the gradient, its upper bound.
+    /// Light and opacity by the value alone; where opacity follows the gradient, an upper bound of it.
     pub(crate) optics: Optics,
     /// The medium by the length of the gradient.
     pub(crate) media: Steepness,

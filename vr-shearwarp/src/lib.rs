@@ -62,9 +62,10 @@
 //! Normals are encoded, half a degree off on average, and what they reflect is interpolated. Parallel rays share a table of that. In perspective
 //! lights at the eye and highlights change from ray to ray: each texel's own ray decides what the normals around its samples reflect.
 //!
-//! Where opacity follows the gradient, by a factor or by the rows of a transfer function, voxels keep their gradients whole. Those are interpolated, and reflect light, too
-//! (or, of voxels that are classified first, are looked up at each). The trilinear filter's own gradient serves values in slices that lie
-//! between layers of voxels; it jumps where they are layers, and around voxels, so those have none.
+//! If opacity follows the gradient, by a factor or by the rows of a transfer function, each voxel keeps its gradient as three numbers. Values take
+//! their opacity and their reflection from gradients that are interpolated to the sample; voxels that are classified first, from their own. The
+//! trilinear filter's own gradient is available for values in slices between the layers of voxels. It jumps at the layers and at voxels, so
+//! slices that are layers, and voxels that are classified first, are refused.
 //!
 //! # Depths
 //! A texel's depth is along its own ray: where opacity reaches a half, the medium homogeneous around each slice (order 2 in the distance of slices);

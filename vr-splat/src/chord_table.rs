@@ -28,9 +28,9 @@ pub(crate) struct ChordTable {
 enum Form {
     /// A polynomial in u.
     Smooth,
-    /// Of the cubic spline, whose third derivative jumps at half its radius: rows hold a polynomial in |u|, and last the factor of the jump's term.
+    /// A polynomial in |u|, and in the last column the factor of a term for the jump of the third derivative that the cubic spline has at half its radius.
     Bending,
-    /// Of a cone with so much at its tip, whose kink no polynomial is near to: in closed form.
+    /// The closed form for a cone, given the value at its tip: its kink is far from any polynomial.
     Cone(f32),
 }
 
@@ -98,7 +98,7 @@ impl ChordTable {
 /// Courses of sixteen chords.
 pub(crate) enum ChordCourse<S: Simd> {
     Smooth([f32x16<S>; TERMS]),
-    /// Of the cubic spline: the place u of the jump in its third derivative, and the constant that the jump adds beyond it.
+    /// A polynomial, the place u at which the third derivative jumps, and the constant that the jump adds beyond it.
     Bending {
         terms: [f32x16<S>; TERMS],
         at: f32x16<S>,

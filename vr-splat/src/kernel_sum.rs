@@ -19,7 +19,7 @@ impl KernelSum {
 
     /// Gradient per index step at a place in a grid, in stored units; zero where no kernel reaches.
     pub(crate) fn gradient_at(&self, volume: &GridVolume, place: [f64; 3]) -> [f64; 3] {
-        volume.with_lattice(Gather { sum: self, place })[1]
+        volume.with_lattice(Gather { sum: self, place }).1
     }
 }
 
@@ -30,8 +30,8 @@ struct Gather<'a> {
 }
 
 impl LatticeVisitor for Gather<'_> {
-    /// The field, three times, and its gradient.
-    type Output = [[f64; 3]; 2];
+    /// The field and its gradient.
+    type Output = (f64, [f64; 3]);
 
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output {
         let Self { sum: KernelSum { profile, reach }, place } = self;
@@ -61,11 +61,11 @@ impl LatticeVisitor for Gather<'_> {
             }
         }
         if weight <= 0.0 {
-            return [[base; 3], [0.0; 3]];
+            return (base, [0.0; 3]);
         }
         let mean = value / weight;
         let gradient = std::array::from_fn(|a| (rise[a] - mean * slope[a]) / (weight * reach[a]));
-        [[base + mean; 3], gradient]
+        (base + mean, gradient)
     }
 }
 
@@ -84,7 +84,7 @@ mod tests {
         for shape in Shape::ALL {
             let kernel = SplatKernel { width: [1.0, 1.25, 1.5], ..SplatKernel::new(shape) };
             let sum = KernelSum::new(&kernel);
-            let field = |place| volume.with_lattice(Gather { sum: &sum, place })[0][0];
+            let field = |place| volume.with_lattice(Gather { sum: &sum, place }).0;
             for place in [[2.23, 3.41, 4.34], [0.12, 4.88, 6.57], [5.93, 0.04, 1.61]] {
                 let found = sum.gradient_at(&volume, place);
                 for a in 0..3 {

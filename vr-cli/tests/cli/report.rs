@@ -212,7 +212,7 @@ fn a_target_is_kept_where_large_errors_are_rare() {
 }
 
 #[test]
-fn somebody_elses_pages_are_spared() {
+fn pages_that_are_no_report_are_spared() {
     let vr = Vr::new();
     fs::create_dir(vr.folder().join("site")).unwrap();
     vr.write("site/index.html", "<!DOCTYPE html><title>Home</title>");

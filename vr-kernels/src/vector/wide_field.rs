@@ -44,7 +44,7 @@ type Columns<S> = [f32x16<S>; 4];
 /// Sums go over y and z first, and along x at last. So floats, of which a row of four is a vector of its own, are turned once a place and not once a row;
 /// integers are staged, and taken apart sixteen places at a time.
 pub trait Blocks: Pairs {
-    /// What is kept between fetch and use.
+    /// Buffer of voxels between their fetch and their use.
     type Stage: Default;
 
     /// Keeps what the sums over the blocks at these offsets need.

@@ -284,7 +284,7 @@ impl Slices {
         [depth - before, depth + behind]
     }
 
-    /// How far before and behind it a sample stands for the medium.
+    /// Distances before and behind a sample over which it stands for the medium.
     #[inline(always)]
     fn reach(&self, depth: f64, [front, back]: [f64; 2]) -> [f64; 2] {
         // As near as texels are to a face for a slice to be there: see `texels`.
