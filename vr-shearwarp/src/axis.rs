@@ -51,7 +51,7 @@ pub(crate) struct Voxels {
     pub(crate) codes: Codewords,
     /// Codes of the normals; none where nothing is shaded.
     pub(crate) normals: Vec<u16>,
-    /// World gradients in [`unit`]s, component by component; none where no opacity follows them.
+    /// World gradients in [`unit()`]s, component by component; none where no opacity follows them.
     pub(crate) gradients: [Vec<f32>; 3],
 }
 
@@ -183,7 +183,7 @@ impl Encoder<'_> {
     }
 }
 
-/// From gradients of stored numbers per index step to those in the world, in [`unit`]s.
+/// From gradients of stored numbers per index step to those in the world, in [`unit()`]s.
 pub(crate) fn gradient_matrix(volume: &GridVolume) -> DMat3 {
     let (placement, factor) = (volume.placement(), volume.calibration().slope / unit(volume));
     DMat3::from_cols_array_2d(&DVec3::AXES.map(|axis| (placement.gradient_to_world(axis) * factor).to_array()))

@@ -8,7 +8,7 @@ use crate::optics::Optics;
 /// The medium at some lengths of the gradient, between which extinction and emission are linear: the rows of a transfer function, or the points of
 /// the factor on the extinction.
 pub(crate) struct Steepness {
-    /// Lengths in [`unit`]s, in ascending order.
+    /// Lengths in [`unit()`]s, in ascending order.
     pub(crate) nodes: Vec<f64>,
     pub(crate) optics: Vec<Optics>,
 }
