@@ -2,13 +2,10 @@
 
 use glam::DVec3;
 use vr_core::{Camera, ParameterError, Projection};
-use vr_io::{FileInfo, ProjectionName};
+use vr_io::{CameraSection, FileInfo, ProjectionName, USUAL_FOV};
 use vr_look::fit;
 
 use crate::args::{CameraArgs, Fit};
-
-/// Vertical angle in degrees of a perspective camera that was given none.
-const FOV: f64 = 30.0;
 
 /// Things in the scene that an automatic camera has to show.
 pub struct Sight<'a> {
@@ -20,6 +17,13 @@ pub struct Sight<'a> {
     pub aspect: f64,
     /// Header of the volume's file, which tells a patient's orientation.
     pub info: Option<&'a FileInfo>,
+    /// Azimuth and elevation in degrees where no flag says other ones.
+    pub angles: (f64, f64),
+}
+
+/// True if flags leave nothing of a camera that a scene file says by angles alone: all is to be framed anew.
+pub fn frame_anew(args: &CameraArgs, section: &CameraSection) -> bool {
+    section.is_framed() && (args.projection.is_some() || args.fov.is_some() || args.fit == Fit::Box)
 }
 
 /// Returns the scene's camera, or else one that sees all of the volume, changed by flags.
@@ -42,7 +46,7 @@ pub fn apply(args: &CameraArgs, own: Option<Camera>, sight: &Sight<'_>) -> Resul
         (None, None, Some(Projection::Perspective { fov })) if args.height.is_none() => Some(fov),
         (None, ..) => None,
         (Some(ProjectionName::Perspective), None, Some(Projection::Perspective { fov })) => Some(fov),
-        (Some(ProjectionName::Perspective), ..) => Some(FOV),
+        (Some(ProjectionName::Perspective), ..) => Some(USUAL_FOV),
     };
     let mut camera = match own {
         Some(own) if args.azimuth.is_none() && args.elevation.is_none() => own,
@@ -66,9 +70,8 @@ pub fn apply(args: &CameraArgs, own: Option<Camera>, sight: &Sight<'_>) -> Resul
 }
 
 fn whole_volume(args: &CameraArgs, fov: Option<f64>, sight: &Sight<'_>) -> Result<Camera, ParameterError> {
-    let Sight { bounds, visible, aspect, info } = *sight;
-    let usual = vr_io::default_angles(info);
-    let (azimuth, elevation) = (args.azimuth.unwrap_or(usual.0), args.elevation.unwrap_or(usual.1));
+    let Sight { bounds, visible, aspect, info, angles } = *sight;
+    let (azimuth, elevation) = (args.azimuth.unwrap_or(angles.0), args.elevation.unwrap_or(angles.1));
     for (field, angle) in [("camera.azimuth", azimuth), ("camera.elevation", elevation)] {
         if !angle.is_finite() {
             return Err(ParameterError::new(field, angle, "must be finite"));
@@ -100,7 +103,8 @@ mod tests {
     fn camera(flags: &str, own: Option<Camera>) -> Result<Camera, ParameterError> {
         let flags = Flags::parse_from(std::iter::once("vr").chain(flags.split_whitespace()));
         let visible = [DVec3::NEG_ONE, DVec3::ONE];
-        let sight = Sight { bounds: (DVec3::NEG_ONE, DVec3::ONE), visible: &|| &visible, aspect: 1.0, info: None };
+        let bounds = (DVec3::NEG_ONE, DVec3::ONE);
+        let sight = Sight { bounds, visible: &|| &visible, aspect: 1.0, info: None, angles: (30.0, 20.0) };
         apply(&flags.camera, own, &sight)
     }
 

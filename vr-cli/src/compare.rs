@@ -49,10 +49,10 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     args.scene.image.check_opaque()?;
     let candidates = candidates(&renderers::chosen(&args.renderers)?).map_err(Failure::failed)?;
     let mut setup = Setup::new(&args.scene, console)?;
-    setup.protect([("--output", &*args.output)])?;
+    setup.protect([("--output", &*args.output)], args.replace)?;
     if let Some(folder) = &args.pictures {
         let places: Vec<PathBuf> = candidates.iter().map(|c| sheet_record::place_of(folder, &c.name())).collect();
-        setup.protect(places.iter().map(|place| ("--pictures", place.as_path())))?;
+        setup.protect(places.iter().map(|place| ("--pictures", place.as_path())), args.replace)?;
     }
     setup.note_unused_renderer("renderers are compared under settings of their own", console);
     setup.note_unused_annotations(console);

@@ -112,7 +112,7 @@ fn shortened(command: Command) -> Command {
     })
 }
 
-/// Prints the page of a topic: a command, a renderer, `renderers`, `features`, `presets` or `phantoms`; without one, the list of commands.
+/// Prints the page of a topic: a command, a renderer, `renderers`, `features`, `keys` of scene files, `presets` or `phantoms`; without one, the list of commands.
 ///
 /// # Errors
 /// [`Failure::Usage`] for an unknown topic, with all that are known.
@@ -123,6 +123,7 @@ pub fn run(args: &HelpArgs, command: Command) -> Result<(), Failure> {
         "" => command.render_help().to_string(),
         "renderers" => format!("{}\n{}", renderers::feature_table(), renderer_list()),
         "features" => renderers::feature_page(),
+        "keys" => vr_io::scene_keys(),
         "presets" => presets(),
         "phantoms" => phantoms(),
         topic => match command.find_subcommand_mut(topic) {
@@ -141,7 +142,7 @@ fn unknown(topic: &str, command: &Command) -> Failure {
     let mut commands: Vec<String> = command.get_subcommands().map(|sub| sub.get_name().to_owned()).collect();
     commands.sort_unstable();
     let renderers = renderers::all().into_iter().map(|r| r.name().to_owned());
-    let pages = ["renderers", "features", "presets", "phantoms"].map(str::to_owned);
+    let pages = ["renderers", "features", "keys", "presets", "phantoms"].map(str::to_owned);
     let known: Vec<String> = commands.into_iter().chain(renderers).chain(pages).collect();
     Failure::usage(format!("help: found {topic:?}; must be one of {}", known.join(", ")))
 }

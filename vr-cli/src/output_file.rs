@@ -1,13 +1,28 @@
-//! Checks of the places that pictures are written to.
+//! Checks of the places that files are written to.
 
 use std::path::{Path, PathBuf};
 
 use serde::Serializer;
 
+use crate::args::ReplaceArgs;
 use crate::failure::Failure;
 
-/// Checks, before the work begins, that a picture can be written to a place: a name that tells the format, in a folder that
-/// exists.
+/// Checks that a file which is there may be replaced: a picture of this program's own, any file if that is asked for. What is no file, such as
+/// a pipe, takes what it is given.
+///
+/// # Errors
+/// [`Failure::Failed`] naming the file.
+pub fn check_replaced(path: &Path, replace: ReplaceArgs) -> Result<(), Failure> {
+    if replace.force || !path.is_file() || vr_io::is_own_picture(path) {
+        return Ok(());
+    }
+    let shown = path.display();
+    Err(Failure::failed(format!(
+        "{shown}: is there, and is no picture of vr's; name another file, or replace it by --force"
+    )))
+}
+
+/// Checks, before the work begins, that a file can be written to a place: a name that tells the format, in a folder that exists.
 ///
 /// # Errors
 /// [`Failure::Usage`] for another extension, [`Failure::Failed`] for a place that cannot be.

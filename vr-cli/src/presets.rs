@@ -33,14 +33,14 @@ pub fn run(args: &PresetsArgs, console: Console, control: &Control) -> Result<()
     let choose = |found: &LoadedVolume| if args.all { Preset::ALL.to_vec() } else { suitable(found) };
     let PresetSetups { setups, notes } = PresetSetups::new(&args.scene, choose, console)?;
     for (_, setup) in &setups {
-        setup.protect([("--output", &*args.output)])?;
+        setup.protect([("--output", &*args.output)], args.replace)?;
     }
     if let Some((_, setup)) = setups.first() {
         setup.note_unused_annotations(console);
     }
     if let (Some(folder), Some((_, setup))) = (&args.pictures, setups.first()) {
         let places: Vec<PathBuf> = setups.iter().map(|(p, _)| sheet_record::place_of(folder, p.name())).collect();
-        setup.protect(places.iter().map(|place| ("--pictures", place.as_path())))?;
+        setup.protect(places.iter().map(|place| ("--pictures", place.as_path())), args.replace)?;
     }
     let has_size = args.scene.scene.is_some() || args.scene.image.size.is_some();
     let mut drawn: Vec<(Preset, Setup, (Frame, StatedRenderer))> = Vec::new();

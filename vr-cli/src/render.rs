@@ -46,13 +46,13 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
         Some(_) => Setup::new(&args.scene, console)?,
         None => Setup::for_renderer(&args.scene, &args.renderer, console)?,
     };
-    setup.protect(args.output.places())?;
+    setup.protect(args.output.places(), args.output.replace)?;
     annotate::apply(&args.annotations, &mut setup)?;
     let setup = setup;
     let (scene, view) = (&setup.scene, &setup.view);
     let annotations = Annotations::new(&setup, console)?;
     // Draw the picture.
-    let cache = exact_cache::open(&args.cache);
+    let cache = exact_cache::open(&args.cache, console);
     let drawn = match args.target.target_rmse {
         Some(target) => target::draw(target, &args.renderer, &setup, &cache, console, control)?,
         None => draw(&args.renderer, &setup, console, control)?,

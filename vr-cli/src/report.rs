@@ -64,7 +64,7 @@ pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(),
     let own = setup.as_mut().map(|setup| own_subject(setup, args, suite)).transpose()?;
     fs::create_dir_all(&args.output).map_err(|e| cannot_write(&args.output, &e))?;
     // Measure; a journal keeps what is done.
-    let cache = exact_cache::open(&args.cache);
+    let cache = exact_cache::open(&args.cache, console);
     let run = Run {
         renderers: &chosen,
         own: own.as_ref().map(|(subject, _)| subject.clone()),

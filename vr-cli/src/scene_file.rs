@@ -26,11 +26,11 @@ pub fn run(args: &SceneFileArgs, console: Console, control: &Control) -> Result<
     annotate::check(&args.annotations)?;
     let mut setup = Setup::new(&args.scene, console)?;
     annotate::apply(&args.annotations, &mut setup)?;
-    setup.protect(args.output.iter().map(|path| ("--output", path.as_path())))?;
+    setup.protect(args.output.iter().map(|path| ("--output", path.as_path())), args.replace)?;
     // Only a picture tells the choice of a target.
     let stated = match args.target.target_rmse {
         Some(target) => {
-            let cache = exact_cache::open(&args.cache);
+            let cache = exact_cache::open(&args.cache, console);
             target::draw(target, &args.renderer, &setup, &cache, console, control)?.stated
         }
         None => setup.renderer(&args.renderer, console)?.stated,

@@ -15,14 +15,14 @@ use vr_io::{
 };
 use vr_mesh::Surface;
 
-use crate::args::{RendererArgs, SceneArgs};
+use crate::args::{RendererArgs, ReplaceArgs, SceneArgs};
 use crate::camera_flags::{self, Sight};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::inputs::Inputs;
 use crate::overrides::Overrides;
 use crate::renderers::StatedRenderer;
-use crate::{number, renderers};
+use crate::{number, output_file, renderers};
 
 /// Memory that a pixel takes on its way into a file: light, depth, and the bytes of a PNG.
 const BYTES_PER_PIXEL: u64 = 40;
@@ -147,13 +147,16 @@ impl Setup {
         mut origin: Origin,
         console: Console,
     ) -> Result<Self, Failure> {
-        let own = file.camera.is_some().then_some(loaded.view.camera);
+        let section = file.camera.unwrap_or_default();
+        let own = file.camera.is_some() && !camera_flags::frame_anew(&args.camera, &section);
+        let own = own.then_some(loaded.view.camera);
         origin.overrides.camera(&args.camera);
         let sight = Sight {
             bounds: loaded.bounds(),
             visible: &|| loaded.visible(),
             aspect: loaded.view.aspect(),
             info: loaded.info.as_ref(),
+            angles: section.angles(vr_io::default_angles(loaded.info.as_ref())),
         };
         let camera = camera_flags::apply(&args.camera, own, &sight).map_err(|e| origin.parameter(&e))?;
         let LoadedScene {
@@ -313,13 +316,20 @@ impl Setup {
         }
     }
 
-    /// Refuses places to write where one of the scene's own files is; each comes with its flag.
+    /// Refuses places to write where one of the scene's own files is, or one that is not to be replaced; each comes with its flag.
     ///
     /// # Errors
-    /// Errors of [`Inputs::protect`].
-    pub fn protect<'a>(&self, places: impl IntoIterator<Item = (&'a str, &'a Path)>) -> Result<(), Failure> {
+    /// Errors of [`Inputs::protect`] and [`output_file::check_replaced`].
+    pub fn protect<'a>(
+        &self,
+        places: impl IntoIterator<Item = (&'a str, &'a Path)>,
+        replace: ReplaceArgs,
+    ) -> Result<(), Failure> {
         let inputs = Inputs::new("a file that is read", self.inputs.iter().cloned());
-        places.into_iter().try_for_each(|(flag, place)| inputs.protect(flag, place))
+        places.into_iter().try_for_each(|(flag, place)| {
+            inputs.protect(flag, place)?;
+            output_file::check_replaced(place, replace)
+        })
     }
 
     /// Returns the failure of a picture that cannot be drawn.

@@ -33,7 +33,7 @@ pub fn run(args: &VerifyArgs, console: Console, control: &Control) -> Result<(),
         setup.note_unused_renderer("orders are measured under settings of their own", console);
     }
     // Verify on scenes made for each renderer, or on the scene that flags name.
-    let cache = exact_cache::open(&args.cache);
+    let cache = exact_cache::open(&args.cache, console);
     let proven = under_bar(console, control, "verifying", |progress| {
         let check = OrderCheck { cache: &cache, control };
         let mut results = Vec::new();

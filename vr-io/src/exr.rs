@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
+use exr::meta::attribute::Text;
 use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, Layer, LayerAttributes, Vec2, WritableImage};
 use vr_core::Frame;
 
 use crate::atomic::write_whole;
 use crate::error::WriteError;
+use crate::maker::MAKER;
 
 /// Writes a frame as OpenEXR: premultiplied linear R, G, B and A in 32-bit floats, untouched, without the background; and a
 /// channel Z where the frame has depth, channels error.R to error.A where it has its own errors.
@@ -28,9 +30,10 @@ pub(crate) fn write_exr_with(path: &Path, frame: &Frame, attributes: LayerAttrib
         let error = |c: usize| uncertainty.components().iter().map(|p| p[c]).collect();
         channels.extend(["R", "G", "B", "A"].iter().enumerate().map(|(c, n)| channel(&format!("error.{n}"), error(c))));
     }
+    let maker = Text::new_or_panic(MAKER);
     let layer = Layer::new(
         Vec2(width as usize, height as usize),
-        attributes,
+        LayerAttributes { software_name: Some(maker), ..attributes },
         exr::prelude::Encoding::SMALL_LOSSLESS,
         AnyChannels::sort(channels.into()),
     );

@@ -257,6 +257,7 @@ mod facts;
 mod file_pattern;
 mod float16;
 mod framing;
+mod given_place;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod header_text;
@@ -265,6 +266,7 @@ mod keys;
 mod labels;
 mod layout;
 mod length_unit;
+mod maker;
 mod mapped;
 mod mesh;
 mod metaimage;
@@ -282,6 +284,7 @@ mod picture;
 mod picture_read;
 mod plain_hdf5;
 mod png;
+mod png_texts;
 mod points;
 mod pvm;
 mod raw;
@@ -316,8 +319,10 @@ pub use error::{FieldError, FileError, FileErrorKind, WriteError};
 pub use exr::write_exr;
 pub use file_pattern::{files_of_pattern, numbered_names};
 pub use framing::{default_angles, framing};
+pub use given_place::GivenPlace;
 pub use keys::{AnglePath, Angles, CameraPath, Interpolation, Key, KeyFile, PlacedPath, parse_keys, read_keys};
 pub use labels::{LabelEntry, LoadedLabels, parse_label_list, read_label_list, read_labels};
+pub use maker::is_own_picture;
 pub use mesh::{LoadedMesh, is_mesh, read_mesh};
 pub use nifti::Transform;
 pub use picture::write;
@@ -338,8 +343,8 @@ pub use scene::{
     LabelsSection, LightEntry, LoadedScene, LoadedVolume, LookName, MeshSection, PhaseEntry, PointLightEntry,
     ProjectionName, RenderSection, ResampleSection, ResampleSize, ScatteringSection, SceneFile, SceneFileError,
     SceneMesh, ShadingSection, ShapeEntry, SurfaceEntry, TransferPoints, TransferRowSection, TransferSection,
-    VolumeSection, VolumeSource, commented_scene, load_scene, load_volume, outline_scene, parse_scene, preset_by_name,
-    read_scene, resolve_scene, resolve_scene_around, scene_text, write_scene,
+    USUAL_FOV, VolumeSection, VolumeSource, commented_scene, load_scene, load_volume, outline_scene, parse_scene,
+    preset_by_name, read_scene, resolve_scene, resolve_scene_around, scene_keys, scene_text, write_scene,
 };
 pub use transfer::{
     ColorMap, TRANSFER_EXTENSIONS, TransferFile, TransferSource, parse_color_maps, parse_transfer, read_color_maps,

@@ -5,12 +5,14 @@ use std::path::Path;
 
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
+use png::text_metadata::ITXtChunk;
 use serde::{Deserialize, Serialize};
 use vr_core::Frame;
 use vr_core::transfer::linear_to_srgb;
 
-use crate::atomic::write_whole;
+use crate::atomic::write_bytes;
 use crate::error::WriteError;
+use crate::{maker, png_texts};
 
 /// Options of a PNG.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,10 +61,9 @@ pub enum Encode {
 /// A [`WriteError`] naming the file; no part of it is left behind then.
 pub fn write_png(path: impl AsRef<Path>, frame: &Frame, options: &PngOptions) -> Result<(), WriteError> {
     let path = path.as_ref();
-    write_whole(path, |out| {
-        encode(out, frame.size(), &samples(frame, options))
-            .map_err(|e| WriteError::Encode { path: path.into(), message: e.to_string() })
-    })
+    let bytes = encode_samples(frame.size(), &samples(frame, options), &[])
+        .map_err(|message| WriteError::Encode { path: path.into(), message })?;
+    write_bytes(path, &bytes)
 }
 
 /// A frame as the bytes of a PNG.
@@ -70,7 +71,7 @@ pub fn write_png(path: impl AsRef<Path>, frame: &Frame, options: &PngOptions) ->
 /// # Panics
 /// Panics if the frame has no pixels: there is no such PNG.
 pub fn encode_png(frame: &Frame, options: &PngOptions) -> Vec<u8> {
-    encode_samples(frame.size(), &samples(frame, options))
+    encode_samples(frame.size(), &samples(frame, options), &[]).expect("memory takes every picture that has pixels")
 }
 
 /// Channels of a PNG, pixel by pixel.
@@ -99,14 +100,15 @@ pub(crate) fn samples(frame: &Frame, options: &PngOptions) -> Samples {
     Samples { alpha: options.alpha, numbers }
 }
 
-/// The bytes of a PNG.
+/// The bytes of a PNG, in which its maker stands, and some texts.
 ///
-/// # Panics
-/// Panics if there are no pixels: there is no such PNG.
-pub(crate) fn encode_samples(size: [u32; 2], samples: &Samples) -> Vec<u8> {
+/// # Errors
+/// The reason why there is no such PNG: a picture without pixels, a text that is too long.
+pub(crate) fn encode_samples(size: [u32; 2], samples: &Samples, texts: &[ITXtChunk]) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
-    encode(&mut bytes, size, samples).expect("memory takes every picture that has pixels");
-    bytes
+    encode(&mut bytes, size, samples).map_err(|e| e.to_string())?;
+    let texts = [&[ITXtChunk::new(maker::PNG_KEY, maker::MAKER)], texts].concat();
+    png_texts::with_texts(&bytes, &texts)
 }
 
 /// Writes to anything: a copy of the encoder for each kind of output would cost the compiler much.

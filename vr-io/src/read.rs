@@ -13,6 +13,7 @@ use crate::cells::{self, CellFormat, CellsOrPoints};
 use crate::detect::{Format, detect, detect_folder};
 use crate::encoding::Encoding;
 use crate::error::{FieldError, FileError};
+use crate::given_place::GivenPlace;
 use crate::layout::Layout;
 use crate::nifti::Transform;
 use crate::points::{self, LoadedPoints, PointFormat, PointOptions};
@@ -45,6 +46,8 @@ pub struct ReadOptions {
     pub series: Option<String>,
     /// Transform of a NIfTI file that places the volume.
     pub transform: Transform,
+    /// Spacing and origin of a grid in place of the file's own.
+    pub place: GivenPlace,
     /// Description of a file without a header. Where this is given, the file counts as raw, whatever it looks like.
     pub raw: Option<RawDescription>,
     /// True if uncompressed voxels of a memory type in native byte order may stay in the file, mapped into memory: the
@@ -65,6 +68,7 @@ impl Default for ReadOptions {
             level: None,
             series: None,
             transform: Transform::Auto,
+            place: GivenPlace::default(),
             raw: None,
             map: true,
             points: PointOptions::default(),
@@ -311,7 +315,10 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
             return Err(FieldError::new(field, found, otherwise).in_file(path));
         }
     }
-    let description = match format {
+    if matches!(format, Format::Points(_) | Format::Cells(_) | Format::Rectilinear(_) | Format::Amr(_)) {
+        options.place.refuse(path)?;
+    }
+    let mut description = match format {
         Format::Nrrd => nrrd::describe(path, options)?,
         Format::MetaImage => metaimage::describe(path, options)?,
         Format::Nifti => nifti::describe(path, options)?,
@@ -338,6 +345,7 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         Format::Rectilinear(format) => return Ok(Described::Rectilinear(format)),
         Format::Amr(format) => return Ok(Described::Amr(format)),
     };
+    options.place.apply(&mut description)?;
     Ok(Described::Grid(Box::new(description)))
 }
 

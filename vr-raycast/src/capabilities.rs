@@ -1,9 +1,13 @@
 //! Scenes and views that the caster can draw, and the errors for all others.
 
-use vr_core::{Compositing, Configurable, Feature, Field, Projection, RenderError, Scene, Unsupported, View};
+use glam::DVec3;
+use vr_core::{
+    Compositing, Configurable, Feature, Field, ParameterError, Projection, RenderError, Scene, Unsupported, View,
+};
 
 use crate::caster::{CompositingOrder, ImageSampling, RayCaster, Rule, Step, Traversal, knows_ranges};
 use crate::error_bound::ErrorBound;
+use crate::options::STEP;
 use crate::source::Source;
 
 pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderError {
@@ -65,6 +69,7 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderE
     let source = Source::of(&scene.volume).ok_or_else(|| {
         Unsupported::volume_kind(RayCaster::NAME, &scene.volume, "volumes in a box with finite edges")
     })?;
+    check_step_count(caster, &source)?;
     let Source::Grid(volume) = &source else {
         check_field(caster, scene)?;
         return Ok(source);
@@ -87,6 +92,22 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderE
         ErrorBound::check(scene, volume)?;
     }
     Ok(source)
+}
+
+/// Most steps of a ray that are taken: more would take a second or longer, and a picture has some hundred thousand rays.
+const MAX_STEPS: f64 = 1e8;
+
+/// Checks that the longest ray through a field ends in reasonable time.
+fn check_step_count(caster: &RayCaster, source: &Source) -> Result<(), RenderError> {
+    let (placement, dims) = (source.placement(), source.dims());
+    let diagonal = placement.axes() * DVec3::from_array(dims.map(|n| (n - 1) as f64));
+    let steps = diagonal.length() / caster.world_step(placement);
+    if steps <= MAX_STEPS {
+        return Ok(());
+    }
+    let length = caster.step.length().unwrap_or(1.0);
+    let found = format!("{length} of the smallest voxel edge, {steps:.1e} steps from corner to corner");
+    Err(ParameterError { field: STEP.into(), found, allowed: "must take at most 1e8 steps; set a longer one" }.into())
 }
 
 /// Checks that this caster can draw a grid whose voxels have colours of their own.

@@ -9,11 +9,12 @@ use vr_physics::metrics::subgrid;
 use vr_study::figures::ErrorFigures;
 use vr_study::reference::{ReferencePixels, SUBGRID, frame_fingerprint};
 
-use crate::args::{AnimationArgs, Bits, RendererArgs};
+use crate::args::{AnimationArgs, Bits, RendererArgs, ReplaceArgs};
 use crate::console::Console;
 use crate::error_bound::ErrorBound;
 use crate::failure::Failure;
 use crate::inputs::Inputs;
+use crate::output_file;
 use crate::progress::{FrameBar, under_bar};
 use crate::scene_setup::{Configured, Setup};
 
@@ -64,7 +65,11 @@ impl Film<'_> {
         let configured = self.setup.renderer(self.renderer, console)?;
         self.check_shots()?;
         let inputs = Inputs::new("a file that is read", self.setup.inputs.iter().cloned());
-        self.places.animations.iter().try_for_each(|place| inputs.protect("--output", place))?;
+        let replace = ReplaceArgs { force: self.args.force };
+        for place in &self.places.animations {
+            inputs.protect("--output", place)?;
+            output_file::check_replaced(place, replace)?;
+        }
         let names = vr_io::numbered_names(&self.places.frames.pattern, self.shots.len()).map_err(Failure::usage)?;
         let mut frames = names.iter().map(|name| self.places.frames.folder.join(name));
         frames.try_for_each(|place| inputs.protect("--output", &place))?;

@@ -27,6 +27,7 @@ pub struct Stage<'a> {
     bounds: (DVec3, DVec3),
     info: Option<&'a FileInfo>,
     has_height: bool,
+    usual_angles: (f64, f64),
 }
 
 impl<'a> Stage<'a> {
@@ -35,8 +36,10 @@ impl<'a> Stage<'a> {
         let (scene, view) = (&setup.scene, &setup.view);
         let is_placed = args.eye.is_some() || args.target.is_some() || args.up.is_some();
         let has_angles = args.azimuth.is_some() || args.elevation.is_some();
-        let by_angles = !is_placed && (has_angles || setup.file.camera.is_none());
-        let fits = !is_placed && args.height.is_none() && args.fit == Fit::Visible;
+        let section = setup.file.camera.unwrap_or_default();
+        let by_angles = !is_placed && (has_angles || section.is_framed());
+        let has_height = args.height.is_some() || (section.is_framed() && section.height.is_some());
+        let fits = !is_placed && !has_height && args.fit == Fit::Visible;
         let bounds = scene.bounds();
         let upright = vr_io::framing(bounds, setup.info.as_ref(), (0.0, 0.0), None).up;
         let mut stage = Self {
@@ -49,7 +52,8 @@ impl<'a> Stage<'a> {
             aspect: view.aspect(),
             bounds,
             info: setup.info.as_ref(),
-            has_height: args.height.is_some(),
+            has_height,
+            usual_angles: section.angles(vr_io::default_angles(setup.info.as_ref())),
         };
         // A camera of the scene file is free to follow keys with angles.
         if fits {
@@ -62,7 +66,7 @@ impl<'a> Stage<'a> {
 
     /// Returns the angles in degrees of a still picture that nothing places.
     pub fn usual_angles(&self) -> (f64, f64) {
-        vr_io::default_angles(self.info)
+        self.usual_angles
     }
 
     /// Returns a camera that sees the whole box from an azimuth and elevation in degrees, of the still picture's kind.

@@ -75,7 +75,7 @@ pub struct AnimationArgs {
     /// Show it once
     #[arg(long)]
     pub once: bool,
-    /// Draw all frames, those of an interrupted or earlier run too
+    /// Draw all frames, those of an interrupted or earlier run too, and replace files that are there
     #[arg(long)]
     pub force: bool,
     /// VOLUME changes with time: a pattern of files (vol-%03d.nrrd), or a file whose frames follow one another

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use vr_core::VoxelType;
 
 use super::value;
-use super::{ErrorMeasure, ResampleArgs, VolumeArgs};
+use super::{ErrorMeasure, ReplaceArgs, ResampleArgs, VolumeArgs};
 
 /// `vr convert`.
 #[derive(Debug, Args)]
@@ -18,6 +18,9 @@ pub struct ConvertArgs {
     /// Volume to write: .nrrd, .nii, .nii.gz, .mha, .mhd (and .raw), .vti, .zarr, .raw, or PNG slices for a pattern (out_%03d.png) or a folder (out/)
     #[arg(value_name = "OUT")]
     pub output: Option<PathBuf>,
+    /// Files that are there.
+    #[command(flatten)]
+    pub replace: ReplaceArgs,
     /// The same by a flag, which --phantom needs
     #[arg(long = "output", short = 'o', value_name = "FILE", conflicts_with = "output")]
     pub named_output: Option<PathBuf>,

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::ReplaceArgs;
 use super::choices::Curve;
 use super::value;
 
@@ -36,6 +37,9 @@ pub struct DiffArgs {
     /// Map of the difference to write: .png (heat map) or .exr (B - A per channel, in floats); may be repeated
     #[arg(long = "output", short, value_name = "FILE", help_heading = "Output")]
     pub outputs: Vec<PathBuf>,
+    /// Files that are there.
+    #[command(flatten)]
+    pub replace: ReplaceArgs,
 }
 
 const DETAILS: &str = "\

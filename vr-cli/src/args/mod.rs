@@ -9,6 +9,7 @@ mod diff;
 mod labels;
 mod physics;
 mod ray;
+mod replace;
 mod report;
 mod rerun;
 mod resample;
@@ -36,6 +37,7 @@ pub use diff::DiffArgs;
 pub use labels::LabelArgs;
 pub use physics::PhysicsArgs;
 pub use ray::RayArgs;
+pub use replace::ReplaceArgs;
 pub use report::{CacheArgs, ReportArgs, SuiteName, VerifyArgs};
 pub use rerun::RerunArgs;
 pub use resample::ResampleArgs;
@@ -116,14 +118,14 @@ pub enum Command {
     Ray(Box<RayArgs>),
     /// Tell how light goes through a scene, which model of it the scene needs, and what each simpler one would cost
     Physics(Box<PhysicsArgs>),
-    /// Explain a command, a renderer and its options, or list names: renderers, features, presets, phantoms
+    /// Explain a command, a renderer and its options, or list names: renderers, features, keys of scene files, presets, phantoms
     Help(HelpArgs),
 }
 
 /// `vr help`.
 #[derive(Debug, Args)]
 pub struct HelpArgs {
-    /// A command, a renderer, or one of renderers, features, presets and phantoms
+    /// A command, a renderer, or one of renderers, features, keys, presets and phantoms
     pub topic: Option<String>,
 }
 
@@ -184,6 +186,9 @@ pub struct OutputArgs {
     /// Picture to write: .png or .exr (linear floats, and depth); may be repeated
     #[arg(long = "output", short, value_name = "FILE", default_value = "vr.png")]
     pub outputs: Vec<PathBuf>,
+    /// Files that are there.
+    #[command(flatten)]
+    pub replace: ReplaceArgs,
     /// Encoding of light in a PNG: the sRGB curve, or linear values as they are
     #[arg(long, value_name = "CURVE", default_value = "srgb")]
     pub encode: Curve,
@@ -260,6 +265,9 @@ pub struct CompareArgs {
     /// Contact sheet to write
     #[arg(long, short, value_name = "FILE", default_value = "vr-compare.png", help_heading = "Comparison")]
     pub output: PathBuf,
+    /// Files that are there.
+    #[command(flatten)]
+    pub replace: ReplaceArgs,
     /// Write each picture of the sheet by itself, too, into this folder, with a record from which vr rerun draws it again
     #[arg(long, value_name = "FOLDER", help_heading = "Comparison")]
     pub pictures: Option<PathBuf>,
@@ -306,6 +314,9 @@ pub struct InfoArgs {
     /// Picture to write: three slices through the middle of a grid, and the histogram (.png)
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     pub output: Option<PathBuf>,
+    /// Files that are there.
+    #[command(flatten)]
+    pub replace: ReplaceArgs,
     /// Labels: a list of their names, of ITK-SNAP, FreeSurfer or Slicer
     #[arg(long, value_name = "FILE", help_heading = "Volume")]
     pub label_names: Option<PathBuf>,

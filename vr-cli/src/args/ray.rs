@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{RendererArgs, SceneArgs};
+use super::{RendererArgs, ReplaceArgs, SceneArgs};
 
 /// `vr ray`.
 #[derive(Debug, Args)]
@@ -24,6 +24,9 @@ pub struct RayArgs {
     /// Write every row of the table to a file: one per step or, of a renderer that cannot list them, per part of the reference
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub csv: Option<PathBuf>,
+    /// Files that are there.
+    #[command(flatten)]
+    pub replace: ReplaceArgs,
     /// Print all rows of a long table, not only those that matter most
     #[arg(long, help_heading = "Output")]
     pub all: bool,

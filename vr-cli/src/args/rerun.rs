@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::ReplaceArgs;
+
 /// `vr rerun`.
 #[derive(Debug, Args)]
 #[command(after_help = DETAILS)]
@@ -32,6 +34,9 @@ pub struct RerunArgs {
     /// Picture to write: .png or .exr
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
+    /// Files that are there.
+    #[command(flatten)]
+    pub replace: ReplaceArgs,
 }
 
 const DETAILS: &str = "\

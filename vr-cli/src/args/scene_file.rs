@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{AnnotateArgs, CacheArgs, RendererArgs, SceneArgs, TargetArgs};
+use super::{AnnotateArgs, CacheArgs, RendererArgs, ReplaceArgs, SceneArgs, TargetArgs};
 
 /// `vr scene`.
 #[derive(Debug, Args)]
@@ -24,6 +24,9 @@ pub struct SceneFileArgs {
     /// Scene file to write (TOML); printed if absent
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     pub output: Option<PathBuf>,
+    /// Files that are there.
+    #[command(flatten)]
+    pub replace: ReplaceArgs,
     /// Reference pixels that are kept.
     #[command(flatten)]
     pub cache: CacheArgs,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{RendererArgs, SceneArgs, VolumeArgs, value};
+use super::{RendererArgs, ReplaceArgs, SceneArgs, VolumeArgs, value};
 
 /// `vr tf`.
 #[derive(Debug, Args)]
@@ -23,6 +23,9 @@ pub struct TfArgs {
     /// may be repeated
     #[arg(long = "output", short, value_name = "FILE", help_heading = "Output")]
     pub outputs: Vec<PathBuf>,
+    /// Files that are there.
+    #[command(flatten)]
+    pub replace: ReplaceArgs,
 }
 
 /// `vr presets`.
@@ -40,6 +43,9 @@ pub struct PresetsArgs {
     /// Contact sheet to write
     #[arg(long, short, value_name = "FILE", default_value = "vr-presets.png", help_heading = "Contact sheet")]
     pub output: PathBuf,
+    /// Files that are there.
+    #[command(flatten)]
+    pub replace: ReplaceArgs,
     /// Write each picture by itself, too, into this folder, with a record from which vr rerun draws it again
     #[arg(long, value_name = "FOLDER", help_heading = "Contact sheet")]
     pub pictures: Option<PathBuf>,

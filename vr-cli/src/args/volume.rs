@@ -50,11 +50,11 @@ pub struct VolumeArgs {
     /// Raw files: bytes before the voxels
     #[arg(long, value_name = "BYTES", requires = "dims")]
     pub skip: Option<u64>,
-    /// Raw files: world units between voxels
-    #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true, requires = "dims")]
+    /// World units between voxels of a grid, in place of those in its file
+    #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true)]
     pub spacing: Option<[f64; 3]>,
-    /// Raw files: world position of the first voxel
-    #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true, requires = "dims")]
+    /// World position of the first voxel of a grid, in place of that in its file
+    #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true)]
     pub origin: Option<[f64; 3]>,
     /// Number of points of a phantom that is made of points
     #[arg(long, value_name = "N", conflicts_with = "path")]

@@ -31,6 +31,7 @@ pub fn run(args: &DiffArgs, console: Console) -> Result<(), Failure> {
     for path in &args.outputs {
         output_file::check(path, &["png", "exr"])?;
         inputs.protect("--output", path)?;
+        output_file::check_replaced(path, args.replace)?;
     }
     if !args.background.iter().all(|c| c.is_finite()) {
         return Err(Failure::usage(format!("--background: found {:?}; must be finite", args.background)));

@@ -32,7 +32,7 @@ pub fn run(args: &RayArgs, console: Console, control: &Control) -> Result<(), Fa
         output_file::check(path, &["csv"])?;
     }
     let setup = Setup::for_renderer(&args.scene, &args.renderer, console)?;
-    setup.protect(args.csv.iter().map(|path| ("--csv", path.as_path())))?;
+    setup.protect(args.csv.iter().map(|path| ("--csv", path.as_path())), args.replace)?;
     let pixel = pixel(args, setup.view.size)?;
     let renderer = setup.renderer(&args.renderer, console)?.renderer;
     // The one ray through the pixel's centre, whatever else the picture's pixel is made of.

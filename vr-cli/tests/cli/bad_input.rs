@@ -36,6 +36,8 @@ fn flags_that_cannot_be() {
         ),
         ("--set stop=1", &["stop", "step"]),
         ("--set step=-1", &["step", "-1"]),
+        // A ray that would not end.
+        ("--set step=1e-9", &["step", "0.000000001", "1.1e11 steps", "1e8"]),
         ("--set step", &["KEY=VALUE"]),
         ("--filter linear", &["linear", "trilinear"]),
         ("--point 1,0,0,0,0.5 --point 0,0,0,0,0.5", &["points[1].value", "sorted"]),

@@ -80,11 +80,14 @@ fn quiet_says_nothing() {
     assert!(vr.exists("vr.png"));
 }
 
-/// The page in the documentation equals the renderers' answers; `vr help features > docs/features.md` writes it anew.
+/// Pages in the documentation are what the program prints: `vr help features > docs/features.md` and `vr help keys > docs/scene-files.md` write
+/// them anew.
 #[test]
-fn the_page_of_features_is_what_renderers_answer() {
-    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/features.md")).unwrap();
-    assert_eq!(Vr::new().run("help features").succeeded().stdout.trim_end(), page.trim_end());
+fn pages_in_the_documentation_are_what_the_program_prints() {
+    for (topic, name) in [("features", "features.md"), ("keys", "scene-files.md")] {
+        let page = std::fs::read_to_string(format!("{}/../docs/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        assert_eq!(Vr::new().run(&format!("help {topic}")).succeeded().stdout.trim_end(), page.trim_end(), "{name}");
+    }
 }
 
 #[test]
@@ -97,6 +100,7 @@ fn help_and_version() {
         ("help render", ["--gradient-opacity", "Features", "Usage: vr render", "Exit codes"]),
         ("help", ["render", "compare", "help", "Exit codes"]),
         ("help renderers", ["Features", "raycast", "shearwarp", "vr help splat"]),
+        ("help keys", ["# Keys of scene files", "## [camera]", "| `azimuth` | (`30.0`) |", "| `spacing` |"]),
         ("help features", ["| feature | raycast |", "## shearwarp", "- **scattering**: ", "vr help features"]),
         ("help raycast", ["Options of raycast", "step=", "leaping=", "screen="]),
         ("help shearwarp", ["Options of shearwarp", "slice-distance=", "warp=", "encoding="]),

@@ -21,6 +21,7 @@ mod points;
 mod presets;
 mod ray;
 mod records;
+mod replaced_files;
 mod report;
 mod resample;
 mod scattering;

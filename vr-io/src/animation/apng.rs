@@ -2,6 +2,7 @@
 
 use super::{Film, Output, ticks};
 use crate::error::WriteError;
+use crate::maker;
 
 /// Writes all frames, without loss.
 pub(super) fn write(out: &mut dyn Output, film: &Film<'_>) -> Result<(), WriteError> {
@@ -19,6 +20,7 @@ pub(super) fn write(out: &mut dyn Output, film: &Film<'_>) -> Result<(), WriteEr
     encoder.set_frame_delay(numerator, denominator).map_err(failed)?;
     // With opacity, a frame replaces the one before.
     encoder.set_blend_op(png::BlendOp::Source).map_err(failed)?;
+    encoder.add_itxt_chunk(maker::PNG_KEY.to_owned(), maker::MAKER.to_owned()).map_err(failed)?;
     let mut writer = encoder.write_header().map_err(failed)?;
     film.each((0.0, 1.0), |_, still| writer.write_image_data(&still.bytes).map_err(failed))?;
     writer.finish().map_err(failed)

@@ -2,13 +2,14 @@
 
 use std::borrow::Cow;
 
-use gif::{DisposalMethod, Encoder, EncodingError, Frame, Repeat};
+use gif::{DisposalMethod, Encoder, EncodingError, Extension, Frame, Repeat};
 
 use super::dither::Ditherer;
 use super::palette::{COLORS, ColorCount};
 use super::still::Still;
 use super::{Film, Output, ticks::ticks};
 use crate::error::WriteError;
+use crate::maker::MAKER;
 
 /// Index of a pixel that is as it was in the frame before.
 const AS_BEFORE: u8 = COLORS as u8;
@@ -32,6 +33,7 @@ pub(super) fn write(out: &mut dyn Output, film: &Film<'_>) -> Result<(), WriteEr
     table.resize(3 * (COLORS + 1), 0);
     let edges = film.size.map(|edge| edge as u16);
     let mut encoder = Encoder::new(out, edges[0], edges[1], &table).map_err(failed)?;
+    encoder.write_raw_extension(Extension::Comment.into(), &[MAKER.as_bytes()]).map_err(failed)?;
     if film.options.repeats {
         encoder.set_repeat(Repeat::Infinite).map_err(failed)?;
     }

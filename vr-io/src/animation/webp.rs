@@ -1,7 +1,7 @@
 //! Animated WebP, without loss: pictures as `image-webp` encodes them, in a container of frames.
 //!
 //! The container is RIFF: a header `VP8X` with the size, `ANIM` with the loops, and an `ANMF` for each frame, around the picture's own
-//! chunk, `VP8L` (<https://developers.google.com/speed/webp/docs/riff_container>).
+//! chunk, `VP8L`; last, `XMP ` names the maker (<https://developers.google.com/speed/webp/docs/riff_container>).
 
 use std::io::SeekFrom;
 
@@ -9,10 +9,12 @@ use image_webp::{ColorType, WebPEncoder};
 
 use super::{Film, Output, ticks::ticks};
 use crate::error::WriteError;
+use crate::maker;
 
 /// Flags of `VP8X`.
 const ANIMATION: u8 = 0x02;
 const ALPHA: u8 = 0x10;
+const METADATA: u8 = 0x04;
 /// Flag of `ANMF`: the frame replaces what was there.
 const NO_BLENDING: u8 = 0x02;
 
@@ -23,7 +25,7 @@ pub(super) fn write(out: &mut dyn Output, film: &Film<'_>) -> Result<(), WriteEr
     let size = film.size.map(|edge| u24(edge - 1)).concat();
     // The length of everything follows when it is known.
     out.write_all(b"RIFF\0\0\0\0WEBP").map_err(io)?;
-    let mut length = 4 + chunk(out, *b"VP8X", &[&[ANIMATION | alpha, 0, 0, 0], &size]).map_err(io)?;
+    let mut length = 4 + chunk(out, *b"VP8X", &[&[ANIMATION | METADATA | alpha, 0, 0, 0], &size]).map_err(io)?;
     let loops = u16::from(!film.options.repeats).to_le_bytes();
     length += chunk(out, *b"ANIM", &[&[0; 4], &loops]).map_err(io)?;
     film.each((0.0, 1.0), |i, still| {
@@ -35,6 +37,8 @@ pub(super) fn write(out: &mut dyn Output, film: &Film<'_>) -> Result<(), WriteEr
         length += chunk(out, *b"ANMF", &[&[0; 6], &size, &duration, &[NO_BLENDING], picture]).map_err(io)?;
         Ok(())
     })?;
+    let [before, behind] = maker::XMP.map(str::as_bytes);
+    length += chunk(out, *b"XMP ", &[before, maker::MAKER.as_bytes(), behind]).map_err(io)?;
     let length = u32::try_from(length).map_err(|_| film.failed("would be longer than the 4 GiB that a WebP can be"))?;
     out.seek(SeekFrom::Start(4)).map_err(io)?;
     out.write_all(&length.to_le_bytes()).map_err(io)

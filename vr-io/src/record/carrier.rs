@@ -7,7 +7,7 @@ use std::path::Path;
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::prelude::LayerAttributes;
-use png::text_metadata::{EncodableTextChunk, ITXtChunk};
+use png::text_metadata::ITXtChunk;
 use png::{Decoder, DecodingError, Info, Limits};
 
 use super::Texts;
@@ -20,32 +20,18 @@ const KEY: &str = "vr";
 /// Largest record that is read: a scene file with 64³ voxels has some 5 MB.
 const MAX_TEXT: usize = 1 << 26;
 
-/// Bytes of a PNG up to the end of its header: the signature, and a chunk of 13 bytes with length, name and checksum.
-const PNG_HEADER: usize = 8 + 4 + 4 + 13 + 4;
-
-/// Puts texts into a PNG, right behind its header.
-pub(super) fn png_with(bytes: &[u8], texts: &Texts) -> Result<Vec<u8>, String> {
-    let (header, rest) = bytes.split_at_checked(PNG_HEADER).ok_or("a PNG without a header")?;
-    let mut out = header.to_vec();
+/// Chunks of a PNG that hold texts.
+pub(super) fn png_chunks(texts: &Texts) -> [ITXtChunk; 2] {
     let mut record = ITXtChunk::new(KEY, &texts.record);
     record.compressed = true;
-    let plain = [("Software", &texts.software), ("Description", &texts.description)];
-    for chunk in plain.map(|(key, text)| ITXtChunk::new(key, text)).into_iter().chain([record]) {
-        chunk.encode(&mut out).map_err(|e| e.to_string())?;
-    }
-    out.extend_from_slice(rest);
-    Ok(out)
+    [ITXtChunk::new("Description", &texts.description), record]
 }
 
 /// Attributes of an EXR layer that hold texts.
 pub(super) fn exr_attributes(texts: &Texts) -> LayerAttributes {
     // UTF-8, as other programs read it.
     let text = |text: &str| Text::from_slice_unchecked(text.as_bytes());
-    let mut attributes = LayerAttributes {
-        software_name: Some(text(&texts.software)),
-        comments: Some(text(&texts.description)),
-        ..LayerAttributes::default()
-    };
+    let mut attributes = LayerAttributes { comments: Some(text(&texts.description)), ..LayerAttributes::default() };
     attributes.other.insert(text(KEY), AttributeValue::Text(text(&texts.record)));
     attributes
 }

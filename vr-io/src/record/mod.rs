@@ -189,20 +189,18 @@ pub fn encode_png_with_record(
         alpha: options.alpha,
         hash: StoredPixels::of_samples(frame.size(), &samples).hash(),
     });
-    carrier::png_with(&encode_samples(frame.size(), &samples), &texts(&record)?)
-        .map_err(|message| SceneFileError::Text { message })
+    let chunks = carrier::png_chunks(&texts(&record)?);
+    encode_samples(frame.size(), &samples, &chunks).map_err(|message| SceneFileError::Text { message })
 }
 
 /// Texts that a picture's file holds.
 struct Texts {
-    software: String,
     description: String,
     record: String,
 }
 
 fn texts(record: &PictureRecord) -> Result<Texts, SceneFileError> {
-    let software = format!("vr {}", record.record.version);
-    Ok(Texts { software, description: record.description(), record: record.text()? })
+    Ok(Texts { description: record.description(), record: record.text()? })
 }
 
 /// The reason why no record comes out of a file.

@@ -8,6 +8,8 @@ use vr_core::memory::MemoryError;
 use crate::error::{FileError, shown};
 use crate::picture_read::PictureError;
 
+use super::wrong_value::explained;
+
 /// The reason why a scene file gives no scene. Every message is one line.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -79,7 +81,10 @@ impl SceneFileError {
                 let nearest = nearest(&key, &known).map(str::to_owned);
                 Self::UnknownKey { path, line, key: shown(&key), nearest, known }
             }
-            _ => Self::Syntax { path, line, message: error.message().replace('\n', " ") },
+            _ => {
+                let at = error.span().map_or(0, |span| span.start);
+                Self::Syntax { path, line, message: explained(error.message(), text, at) }
+            }
         }
     }
 }

@@ -7,6 +7,7 @@ mod error;
 mod file_name;
 mod inline;
 mod key_help;
+mod key_page;
 mod labels;
 mod labels_section;
 mod named_transfer;
@@ -19,6 +20,7 @@ mod surface_entry;
 mod transfer_points;
 mod volume;
 mod volume_section;
+mod wrong_value;
 
 use std::path::Path;
 
@@ -32,6 +34,7 @@ pub use annotations_section::AnnotationsSection;
 pub use commented::commented_scene;
 pub use error::SceneFileError;
 pub use file_name::FileName;
+pub use key_page::scene_keys;
 pub use labels_section::{LabelLook, LabelName, LabelSection, LabelsSection};
 pub use resample_section::{FinestWord, ResampleSection, ResampleSize};
 pub use resolve::{LoadedScene, SceneMesh, outline_scene, preset_by_name, resolve_scene, resolve_scene_around};
@@ -39,7 +42,7 @@ pub use scattering_section::{AlbedoEntry, ColorWord, PhaseEntry, PointLightEntry
 pub use scene_file::SceneFile;
 pub use sections::{
     CameraSection, ColorEncoding, CompositingName, ImageSection, LightEntry, LookName, MeshSection, ProjectionName,
-    RenderSection, ShadingSection, TransferSection,
+    RenderSection, ShadingSection, TransferSection, USUAL_FOV,
 };
 pub use surface_entry::{FaceName, FinishEntry, ShapeEntry, SurfaceEntry};
 pub(crate) use transfer_points::stretching;

@@ -205,12 +205,15 @@ pub fn resolve_scene_around(
         None => None,
     };
     let seen = OnceLock::new();
-    if file.camera.is_none() {
-        let info = found.info.as_ref();
-        let whole = framing(bounds(&scene, mesh.as_ref()), info, default_angles(info), None);
-        let seen = seen.get_or_init(|| visible(&scene, &view, mesh.as_ref()));
-        view.camera = fit(&whole, seen, view.aspect());
-    }
+    // Frame all that is visible, where the file does not say all of the camera.
+    let info = found.info.as_ref();
+    let section = file.camera.unwrap_or_default();
+    let framed = |fov| {
+        let whole = framing(bounds(&scene, mesh.as_ref()), info, section.angles(default_angles(info)), fov);
+        fit(&whole, seen.get_or_init(|| visible(&scene, &view, mesh.as_ref())), view.aspect())
+    };
+    let camera = section.camera(framed).map_err(in_file)?;
+    view.camera = camera;
     let render = file.render;
     Ok(LoadedScene {
         scene,

@@ -5,6 +5,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use vr_core::{Camera, Clip, ParameterError, Scene, View, Volume};
 
+use crate::framing::default_angles;
+
 use super::annotations_section::AnnotationsSection;
 use super::inline::inline_volume;
 use super::labels_section::LabelsSection;
@@ -88,10 +90,9 @@ impl SceneFile {
         let t = self.transfer.as_ref().unwrap_or(&default);
         let unit_distance = t.unit_distance.unwrap_or_else(|| volume.mean_spacing());
         let transfer = points.into().function(t.opacity_rule, unit_distance)?;
-        let camera = match &self.camera {
-            Some(c) => c.camera()?,
-            None => Camera::framing(volume.bounds(), 30.0, 20.0, None),
-        };
+        let section = self.camera.unwrap_or_default();
+        let (azimuth, elevation) = section.angles(default_angles(None));
+        let camera = section.camera(|fov| Camera::framing(volume.bounds(), azimuth, elevation, fov))?;
         let view =
             View { supersampling: self.image.samples, clip: self.clip.clone(), ..View::new(camera, self.image.size) };
         view.validate()?;

@@ -156,19 +156,22 @@ pub(super) fn white() -> [f64; 3] {
     [1.0; 3]
 }
 
-/// `[camera]`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// `[camera]`. All that is absent is that of a camera which sees all that is visible.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct CameraSection {
     /// Orthographic (with `height`) or perspective (with `fov`).
-    #[serde(default)]
     pub projection: ProjectionName,
     /// Position of the eye.
-    pub eye: DVec3,
+    pub eye: Option<DVec3>,
     /// The point that the image centre shows.
-    pub target: DVec3,
+    pub target: Option<DVec3>,
     /// Direction that is up in the image.
-    pub up: DVec3,
+    pub up: Option<DVec3>,
+    /// Angle in degrees about the upright axis, in place of `eye`.
+    pub azimuth: Option<f64>,
+    /// Angle in degrees above the level, in place of `eye`.
+    pub elevation: Option<f64>,
     /// World height of an orthographic image.
     pub height: Option<f64>,
     /// Vertical angle of a perspective image in degrees.
@@ -192,26 +195,75 @@ impl From<&Camera> for CameraSection {
             Projection::Orthographic { height } => (ProjectionName::Orthographic, Some(height), None),
             Projection::Perspective { fov } => (ProjectionName::Perspective, None, Some(fov)),
         };
-        Self { projection, eye, target, up, height, fov }
+        let [eye, target, up] = [eye, target, up].map(Some);
+        Self { projection, eye, target, up, azimuth: None, elevation: None, height, fov }
     }
 }
 
+/// Vertical angle in degrees of a perspective camera that was given none.
+pub const USUAL_FOV: f64 = 30.0;
+
 impl CameraSection {
-    pub(super) fn camera(&self) -> Result<Camera, ParameterError> {
-        let &Self { projection, eye, target, up, height, fov } = self;
-        let projection = match (projection, height, fov) {
-            (ProjectionName::Orthographic, Some(height), None) => Projection::Orthographic { height },
-            (ProjectionName::Perspective, None, Some(fov)) => Projection::Perspective { fov },
-            (ProjectionName::Orthographic, height, fov) => {
-                let allowed = "an orthographic camera needs height, and no fov";
-                return Err(ParameterError::new("camera.height", (height, fov), allowed));
+    /// True if eye, target and up are left to the volume, which is seen from an azimuth and elevation.
+    pub fn is_framed(&self) -> bool {
+        self.eye.is_none() && self.target.is_none() && self.up.is_none()
+    }
+
+    /// Azimuth and elevation in degrees; those that are absent are the usual ones.
+    pub fn angles(&self, usual: (f64, f64)) -> (f64, f64) {
+        (self.azimuth.unwrap_or(usual.0), self.elevation.unwrap_or(usual.1))
+    }
+
+    /// Makes the camera. `framed` gives one that sees all, from usual angles that are changed as this section says, for the vertical angle of a
+    /// perspective one.
+    ///
+    /// # Errors
+    /// Keys that do not go together, or a camera that sees nothing.
+    pub(super) fn camera(&self, framed: impl FnOnce(Option<f64>) -> Camera) -> Result<Camera, ParameterError> {
+        let &Self { projection, eye, target, up, azimuth, elevation, height, fov } = self;
+        // Refuse keys that would have no effect.
+        let is_perspective = projection == ProjectionName::Perspective;
+        match (is_perspective, height, fov) {
+            (false, _, Some(fov)) => {
+                return Err(ParameterError::new("camera.fov", fov, "must go with projection = \"perspective\""));
             }
-            (ProjectionName::Perspective, height, fov) => {
-                let allowed = "a perspective camera needs fov, and no height";
-                return Err(ParameterError::new("camera.fov", (height, fov), allowed));
+            (true, Some(height), _) => {
+                return Err(ParameterError::new("camera.height", height, "must go with projection = \"orthographic\""));
+            }
+            _ => {}
+        }
+        for (field, angle) in [("camera.azimuth", azimuth), ("camera.elevation", elevation)] {
+            match angle {
+                Some(angle) if eye.is_some() => {
+                    return Err(ParameterError::new(
+                        field,
+                        angle,
+                        "must be absent beside eye, which says from where to look",
+                    ));
+                }
+                Some(angle) if !angle.is_finite() => return Err(ParameterError::new(field, angle, "must be finite")),
+                _ => {}
+            }
+        }
+        // A wrong angle is to be named, not the eye that it would put somewhere.
+        let fov = is_perspective.then(|| fov.unwrap_or(USUAL_FOV));
+        Camera::framing((DVec3::ZERO, DVec3::ONE), 0.0, 0.0, fov).frame()?;
+        // Take what is said, and find the rest: looking for all that is visible may take long.
+        let projection = match fov {
+            Some(fov) => Some(Projection::Perspective { fov }),
+            None => height.map(|height| Projection::Orthographic { height }),
+        };
+        let camera = if let (Some(eye), Some(target), Some(up), Some(projection)) = (eye, target, up, projection) {
+            Camera { eye, target, up, projection }
+        } else {
+            let own = framed(fov);
+            Camera {
+                eye: eye.unwrap_or(own.eye),
+                target: target.unwrap_or(own.target),
+                up: up.unwrap_or(own.up),
+                projection: projection.unwrap_or(own.projection),
             }
         };
-        let camera = Camera { eye, target, up, projection };
         camera.frame()?;
         Ok(camera)
     }

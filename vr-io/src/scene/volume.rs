@@ -5,6 +5,7 @@ use std::path::Path;
 use vr_core::{ControlPoint, Filter, ParameterError, Volume, memory, phantom};
 
 use crate::error::FileError;
+use crate::given_place::GivenPlace;
 use crate::points::PointOptions;
 use crate::raw::RawDescription;
 use crate::read::{FileInfo, Loaded, ReadOptions, has_unread_voxels, missing_voxels, outline, read};
@@ -106,6 +107,7 @@ fn from_file(
     in_file: impl Fn(ParameterError) -> SceneFileError + Copy,
 ) -> Result<Option<LoadedVolume>, SceneFileError> {
     file.points.validate().map_err(in_file)?;
+    let (raw, place) = grid_description(file, path).map_err(in_file)?;
     let options = ReadOptions {
         frame: file.frame,
         component: file.component,
@@ -114,7 +116,8 @@ fn from_file(
         series: file.series.clone(),
         level: file.level,
         transform: file.transform.unwrap_or_default(),
-        raw: raw_description(file, path).map_err(in_file)?,
+        place,
+        raw,
         points: file.points.clone(),
         ..ReadOptions::default()
     };
@@ -184,22 +187,23 @@ const PHANTOM_POINTS: usize = 10_000;
 const PHANTOM_COUNTS: std::ops::RangeInclusive<usize> = 1..=100_000_000;
 
 /// The description of a raw file: dims and type from the section or, where it has none, from the file's name. `None` where
-/// the section describes nothing, so that the file must.
-fn raw_description(file: &FileSource, path: &Path) -> Result<Option<RawDescription>, ParameterError> {
+/// the section describes none, so that the file must; spacing and origin are then in place of the file's.
+fn grid_description(file: &FileSource, path: &Path) -> Result<(Option<RawDescription>, GivenPlace), ParameterError> {
     let FileSource { endian, skip, grid, .. } = file;
-    if *grid == GridDescription::default() && endian.is_none() && skip.is_none() {
-        return Ok(None);
+    let place = GivenPlace { spacing: grid.spacing, origin: grid.origin };
+    let is_place_alone = GridDescription { spacing: None, origin: None, ..grid.clone() } == GridDescription::default();
+    if is_place_alone && endian.is_none() && skip.is_none() {
+        return Ok((None, place));
     }
     let named = RawDescription::from_name(path).and_then(Result::ok);
     let dims = grid.dims.or(named.as_ref().map(|n| n.dims)).ok_or_else(|| {
-        let allowed =
-            "type, endian, skip, spacing, origin, direction, slope and intercept are for raw files, which need dims";
+        let allowed = "type, endian, skip, direction, slope and intercept are for raw files, which need dims";
         wrong("volume.dims", "nothing", allowed)
     })?;
     let scalar = grid.scalar.or(named.map(|n| n.scalar));
     let scalar = scalar.ok_or_else(|| wrong("volume.type", "nothing", "raw files need a type"))?;
     let plain = RawDescription::new(dims, scalar);
-    Ok(Some(RawDescription {
+    let description = RawDescription {
         endian: endian.unwrap_or_default(),
         spacing: grid.spacing,
         origin: grid.origin.unwrap_or(plain.origin),
@@ -207,5 +211,6 @@ fn raw_description(file: &FileSource, path: &Path) -> Result<Option<RawDescripti
         skip: skip.unwrap_or(0),
         calibration: grid.calibration(),
         ..plain
-    }))
+    };
+    Ok((Some(description), GivenPlace::default()))
 }

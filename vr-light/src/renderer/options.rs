@@ -63,7 +63,7 @@ impl Configurable for LightRenderer {
                 DeclaredOption::<Self>::number(
                     "step",
                     "step of model=single, in spacings of the volume; the error falls with its square",
-                    NumberRange::above(0.0).up_to(16.0),
+                    NumberRange::at_least(1e-3).up_to(16.0),
                     |r| r.step,
                     |r, x| r.step = x,
                 )

@@ -46,7 +46,11 @@ pub(super) fn sections(source: Option<&VolumeSource>) -> [(&'static str, &'stati
             "Scattering: the medium scatters the light that shines into it, with shadows. Drawn by the renderer light; goes without [shading].",
             scattering(),
         ),
-        ("camera", "Camera, in the world units of the volume.", camera()),
+        (
+            "camera",
+            "Camera, in the world units of the volume. What is absent is that of a camera which sees all that is visible.",
+            camera(),
+        ),
         ("mesh", "Opaque surface among the volume, lit as [shading] says.", mesh()),
         (
             "labels",
@@ -113,7 +117,9 @@ fn transfer() -> Vec<KeyHelp> {
         key(
             "rows",
             Nothing,
-            "Rows in place of points, for a transfer function of two dimensions, value and gradient: each with gradient (a magnitude, in value per world              unit, in order) and points, as above, of opacities up to 0.999. Between two rows extinction and emission change linearly with the              magnitude; beyond the first and the last they stay.",
+            "Rows in place of points, for a transfer function of two dimensions, value and gradient: each with gradient (a magnitude, in value per world \
+             unit, in order) and points, as above, of opacities up to 0.999. Between two rows extinction and emission change linearly with the \
+             magnitude; beyond the first and the last they stay.",
         ),
     ]
 }
@@ -200,13 +206,28 @@ fn camera() -> Vec<KeyHelp> {
         key(
             "projection",
             Usual("\"orthographic\""),
-            "orthographic (parallel rays, sizes can be measured; needs height) or perspective (needs fov).",
+            "orthographic (parallel rays, sizes can be measured) or perspective.",
         ),
-        key("eye", Nothing, "Position of the eye."),
-        key("target", Nothing, "Point in the middle of the picture."),
-        key("up", Nothing, "Vector that points up in the picture; any length, not along the view."),
-        key("height", Example("2.0"), "Orthographic: world height of the picture, above 0. A smaller one zooms in."),
-        key("fov", Example("30.0"), "Perspective: vertical angle of view in degrees, above 0, below 180."),
+        key("eye", Example("[0.0, 0.0, 9.0]"), "Position of the eye; it goes without azimuth and elevation."),
+        key("target", Example("[0.0, 0.0, 0.0]"), "Point in the middle of the picture."),
+        key("up", Example("[0.0, 1.0, 0.0]"), "Vector that points up in the picture; any length, not along the view."),
+        key(
+            "azimuth",
+            Example("30.0"),
+            "Angle in degrees about the upright axis from which all is seen, in place of eye; 0 looks along -z, or into a patient's face. Absent: 30, \
+             or 15 of a patient.",
+        ),
+        key(
+            "elevation",
+            Example("20.0"),
+            "Angle in degrees above the level from which all is seen, in place of eye. Absent: 20, or 10 of a patient.",
+        ),
+        key(
+            "height",
+            Example("2.0"),
+            "Orthographic: world height of the picture, above 0. A smaller one zooms in. Absent: all fits.",
+        ),
+        key("fov", Example("30.0"), "Perspective: vertical angle of view in degrees, above 0, below 180. Absent: 30."),
     ]
 }
 

@@ -116,15 +116,16 @@ fn file_keys() -> Vec<KeyHelp> {
 
 /// Keys of a grid without a header, for the kind of source that `of` names.
 fn grid_keys(of: &str, scalar: &'static str, types: &str) -> Vec<KeyHelp> {
+    let instead = if of.is_empty() { "" } else { "; of files with a header, in place of what they say" };
     vec![
         key("dims", Example("[256, 256, 128]"), format!("{of}Voxels along x, y and z.")),
         key("type", Example(scalar), format!("{of}Type of the voxels: {types}.")),
         key(
             "spacing",
             Usual("[1.0, 1.0, 1.0]"),
-            format!("{of}World units from voxel to voxel along x, y and z, above 0."),
+            format!("World units from voxel to voxel along x, y and z, above 0{instead}."),
         ),
-        key("origin", Usual("[0.0, 0.0, 0.0]"), format!("{of}World position of the first voxel.")),
+        key("origin", Usual("[0.0, 0.0, 0.0]"), format!("World position of the first voxel{instead}.")),
         key(
             "direction",
             Usual("[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]"),
