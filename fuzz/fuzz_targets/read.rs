@@ -1,0 +1,18 @@
+//! libFuzzer on the target that the variable VR_FUZZ names.
+#![no_main]
+
+use std::sync::LazyLock;
+
+use libfuzzer_sys::fuzz_target;
+use vr_fuzz::{Ground, target};
+
+static GROUND: LazyLock<Ground> = LazyLock::new(|| {
+    let name = std::env::var("VR_FUZZ").unwrap_or_default();
+    Ground::new(target(&name).unwrap_or_else(|| panic!("VR_FUZZ: found {name:?}; must be the name of a target")))
+});
+
+fuzz_target!(|bytes: &[u8]| {
+    if let Err(fault) = GROUND.run(bytes) {
+        panic!("{fault}");
+    }
+});

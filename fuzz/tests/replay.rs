@@ -1,0 +1,130 @@
+//! Files with bytes changed, put in, taken out and cut off, thousands of them: each is read or refused in one line, never with a panic, and never
+//! with more memory than there is. The random numbers are the same on every run.
+
+use std::cell::Cell;
+use std::time::{Duration, Instant};
+
+use peak_alloc::PeakAlloc;
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use vr_core::memory;
+use vr_fuzz::{Ground, TARGETS};
+
+#[global_allocator]
+static HEAP: PeakAlloc = PeakAlloc;
+
+/// Memory that readers are told is left. Seeds have a few kilobytes: what takes more has believed a header.
+const LEFT: u64 = 64 << 20;
+
+/// Memory that a reader may take at one time: what it asked for, and as much again for what it makes of that.
+const MOST: usize = 2 * LEFT as usize;
+
+/// Longest time that a file of kilobytes may take, on a machine that does other work meanwhile.
+const LONGEST: Duration = Duration::from_secs(10);
+
+/// Damaged versions of each seed.
+const CASES: u32 = 300;
+
+#[derive(Clone, Debug)]
+enum Damage {
+    Set(prop::sample::Index, u8),
+    Insert(prop::sample::Index, &'static str),
+    Remove(prop::sample::Index, usize),
+    Cut(prop::sample::Index),
+}
+
+/// Words that upset parsers.
+const WORDS: [&str; 16] = [
+    "-1",
+    "0",
+    "nan",
+    "inf",
+    "1e999",
+    "18446744073709551616",
+    "9223372036854775807",
+    "4294967296",
+    "\n",
+    "\0",
+    "\u{1b}[31m",
+    "%d",
+    "none",
+    "(",
+    "\u{fffd}",
+    "\u{ff}\u{ff}\u{ff}\u{ff}",
+];
+
+fn damage() -> impl Strategy<Value = Vec<Damage>> {
+    let at = any::<prop::sample::Index>;
+    let one = prop_oneof![
+        4 => (at(), any::<u8>()).prop_map(|(i, b)| Damage::Set(i, b)),
+        4 => (at(), prop::sample::select(&WORDS[..])).prop_map(|(i, w)| Damage::Insert(i, w)),
+        2 => (at(), 1usize..20).prop_map(|(i, n)| Damage::Remove(i, n)),
+        1 => at().prop_map(Damage::Cut),
+    ];
+    vec(one, 1..5)
+}
+
+fn apply(bytes: &[u8], damage: &[Damage]) -> Vec<u8> {
+    let mut b = bytes.to_vec();
+    for d in damage {
+        let i = |index: &prop::sample::Index| index.index(b.len().max(1)).min(b.len());
+        match d {
+            Damage::Set(index, value) => {
+                let i = i(index);
+                if let Some(byte) = b.get_mut(i) {
+                    *byte = *value;
+                }
+            }
+            Damage::Insert(index, word) => {
+                let i = i(index);
+                b.splice(i..i, word.bytes());
+            }
+            Damage::Remove(index, n) => {
+                let i = i(index);
+                b.drain(i..(i + n).min(b.len()));
+            }
+            Damage::Cut(index) => {
+                let i = i(index);
+                b.truncate(i);
+            }
+        }
+    }
+    b
+}
+
+#[test]
+fn every_reader_survives() {
+    memory::set_meter(|| LEFT);
+    let (count, slowest, most) = (Cell::new(0), Cell::new((Duration::ZERO, "")), Cell::new((0, "")));
+    for target in TARGETS {
+        let ground = Ground::new(target);
+        for seed in target.seeds() {
+            ground.run(&seed).unwrap_or_else(|e| panic!("{}: a seed: {e}", target.name));
+            let config = Config { cases: CASES, failure_persistence: None, ..Config::default() };
+            let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
+            let outcome = runner.run(&damage(), |d| {
+                let (damaged, start) = (apply(&seed, &d), Instant::now());
+                HEAP.reset_peak_usage();
+                let outcome = ground.run(&damaged);
+                let (time, peak) = (start.elapsed(), HEAP.peak_usage());
+                count.set(count.get() + 1);
+                slowest.set(slowest.get().max((time, target.name)));
+                most.set(most.get().max((peak, target.name)));
+                prop_assert!(time < LONGEST, "took {:?}", time);
+                prop_assert!(peak < MOST, "took {} bytes", peak);
+                outcome.map_err(|e| TestCaseError::fail(format!("{e} from {:?}", String::from_utf8_lossy(&damaged))))
+            });
+            outcome.unwrap_or_else(|e| panic!("{}: {e}", target.name));
+        }
+    }
+    let (slowest, most) = (slowest.get(), most.get());
+    println!(
+        "{} files; the slowest took {:?} ({}), the largest {} bytes ({})",
+        count.get(),
+        slowest.0,
+        slowest.1,
+        most.0,
+        most.1
+    );
+}
