@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use vr_core::{Calibration, ColorGrid, ColorValue, GridError, Placement};
+use vr_core::{Calibration, ColorGrid, ColorValue, GridError, Placement, memory};
 
 use crate::error::FileError;
 use crate::layout::Layout;
@@ -27,6 +27,10 @@ pub(crate) fn load(
     notes: &mut Vec<String>,
 ) -> Result<ColorGrid, FileError> {
     let count = layout.components;
+    // The components, as they come and side by side, and then four channels and a value a voxel.
+    let numbers_of_voxel = 2 * count as u64 + 5;
+    let bytes = (layout.count() as u64).saturating_mul(numbers_of_voxel * source.scalar().bytes() as u64);
+    memory::check("the volume", bytes).map_err(|e| FileError::new(path, e))?;
     let components = match layout.interleaved() {
         Some(rows) => numbers(source.load(path, &rows, options, notes)?),
         None => one_by_one(path, source, layout, options, notes)?,

@@ -11,6 +11,7 @@ use vr_core::transfer::srgb_to_linear;
 use super::error::PictureError;
 use super::{BYTES_PER_BYTE, MAX_PIXELS, Origin, Picture, SampleKind};
 use crate::png::Encode;
+use crate::tiff::first_directory;
 
 /// Reads a picture whose first bytes are not those of EXR.
 pub(super) fn read(origin: Origin<'_>, file: BufReader<File>, encode: Encode) -> Result<Picture, PictureError> {
@@ -33,8 +34,16 @@ pub(super) fn read(origin: Origin<'_>, file: BufReader<File>, encode: Encode) ->
 }
 
 /// Decodes a picture whose first bytes are not those of EXR; returns the name of its format, too.
-pub(super) fn decode(origin: Origin<'_>, file: BufReader<File>) -> Result<(&'static str, DynamicImage), PictureError> {
+pub(super) fn decode(
+    origin: Origin<'_>,
+    mut file: BufReader<File>,
+) -> Result<(&'static str, DynamicImage), PictureError> {
     let path = origin.path;
+    if let Some(fault) =
+        first_directory::fault(&mut file).map_err(|source| PictureError::Io { path: path.into(), source })?
+    {
+        return Err(PictureError::damaged(path, "TIFF", fault));
+    }
     let mut reader = ImageReader::new(file)
         .with_guessed_format()
         .map_err(|source| PictureError::Io { path: path.into(), source })?;

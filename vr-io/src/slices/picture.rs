@@ -14,7 +14,7 @@ use crate::claim::check_claim;
 use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::regular_file;
 use crate::scalar::ScalarType;
-use crate::tiff::{self, Spacing, decode_page, first_page};
+use crate::tiff::{self, Spacing, decode_page, first_directory, first_page};
 
 /// The kinds of pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -254,7 +254,13 @@ fn kind_of(path: &Path) -> Result<Kind, FileError> {
 }
 
 fn open(path: &Path, kind: Kind) -> Result<ImageReader<BufReader<File>>, FileError> {
-    let file = regular_file::open(path).map_err(|e| FileError::new(path, e))?;
+    let mut file = regular_file::open(path).map_err(|e| FileError::new(path, e))?;
+    if matches!(kind, Kind::Tiff)
+        && let Some(fault) = first_directory::fault(&mut file).map_err(|e| FileError::new(path, e))?
+    {
+        let source = io::Error::other(fault);
+        return Err(FileError::new(path, FileErrorKind::Damaged { encoding: kind.name(), source }));
+    }
     let mut reader = ImageReader::new(BufReader::new(file));
     reader.set_format(match kind {
         Kind::Tiff => ImageFormat::Tiff,

@@ -6,13 +6,14 @@
 
 mod arrangement;
 mod decode;
+pub(crate) mod first_directory;
 mod page;
 mod pixels;
 #[cfg(test)]
 mod tests;
 
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{self, BufReader};
 use std::path::Path;
 
 use tiff::decoder::{Decoder, Limits};
@@ -25,6 +26,7 @@ use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::layout::{Axis, Layout, Role};
 use crate::payload::Payload;
 use crate::read::{Description, ReadOptions};
+use crate::regular_file;
 use crate::scalar::Endian;
 use crate::source::{Decoded, Source};
 use crate::world::Space;
@@ -41,7 +43,10 @@ pub(crate) type TiffFile = Decoder<BufReader<File>>;
 
 /// Opens a file at its first page; `page_bytes` are those of a page to decode, or 0 where headers alone are read.
 pub(crate) fn open(path: &Path, page_bytes: usize) -> Result<TiffFile, FileError> {
-    let file = File::open(path).map_err(|e| FileError::new(path, e))?;
+    let mut file = regular_file::open(path).map_err(|e| FileError::new(path, e))?;
+    if let Some(fault) = first_directory::fault(&mut file).map_err(|e| FileError::new(path, e))? {
+        return Err(FileError::new(path, FileErrorKind::Damaged { encoding: "TIFF", source: io::Error::other(fault) }));
+    }
     let length = file.metadata().map_err(|e| FileError::new(path, e))?.len();
     let decoder = Decoder::new(BufReader::new(file)).map_err(|e| refuse(path, e))?;
     let mut limits = Limits::default();
