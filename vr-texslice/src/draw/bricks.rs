@@ -9,7 +9,7 @@ use vr_core::parallel::locked;
 use vr_core::{Control, Counts, RenderError};
 use vr_kernels::vector::{LANES, Lanes, Vectorized, pick, run, splat};
 
-use super::brick_fetcher::{BrickFetcher, Reflected};
+use super::brick_fetcher::{BrickFetcher, Middles};
 use super::chunk::{Chunk, Fetcher};
 use super::classify::Classifier;
 use super::picture::Picture;
@@ -19,7 +19,7 @@ use super::waiting::Waiting;
 use crate::bricks::{BrickLattice, BrickSource, Pool};
 use crate::fragments::Fragments;
 use crate::projection::ScreenProjection;
-use crate::texture::{BrickPart, InBrick, Lit, Texture, TextureVisitor};
+use crate::texture::{BrickPart, InBrick, Texture, TextureVisitor};
 
 /// A picture drawn brick by brick.
 pub(crate) struct Bricked<'a> {
@@ -114,7 +114,7 @@ impl Vectorized for SetUp<'_> {
     fn run<S: Simd>(self, simd: S) -> BrickRays {
         let waiting = Waiting::new(simd, self.scene, self.at, self.sample);
         let next = Lanes(waiting.rays.begin.0.map(|begin| begin - 1.0));
-        BrickRays { waiting, next, middles: Reflected::NOTHING }
+        BrickRays { waiting, next, middles: Middles::UNKNOWN }
     }
 }
 
@@ -190,8 +190,8 @@ struct BrickRays {
     waiting: Waiting,
     /// The next sample of each ray: the first is numbered one less than the whole ones, the last one more.
     next: Lanes,
-    /// Reflection at the middle of each ray's next segment, as far as it has been met.
-    middles: Reflected,
+    /// Gradient in the middle of each ray's next segment, as far as it has been met.
+    middles: Middles,
 }
 
 impl BrickRays {
@@ -217,9 +217,8 @@ impl BrickRays {
             texture.middles.forget(&self.next, &here.next);
             self.next = here.next;
         }
-        if let (Classifier::Segments(_), Some(shading)) = (scene.pass.classifier, scene.shading) {
-            let lit = Lit { shading, lights: &self.waiting.lights };
-            texture.meet_middles(simd, &self.waiting.rays, &self.next, &lit);
+        if matches!(scene.pass.classifier, Classifier::Segments(_)) && scene.looks_at_gradients() {
+            texture.meet_middles(simd, &self.waiting.rays, &self.next);
         }
     }
 

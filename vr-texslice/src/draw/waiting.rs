@@ -1,7 +1,7 @@
 //! Sixteen rays that wait for their next slab, or their next brick.
 
 use fearless_simd::Simd;
-use vr_kernels::vector::{LANES, Lanes, Operator, PacketLights};
+use vr_kernels::vector::{LANES, Lanes, Operator, PacketLights, Shade};
 
 use super::chunk::{Chunk, Fetch};
 use super::march::{March, PacketResult};
@@ -9,7 +9,6 @@ use super::picture::Picture;
 use super::state::State;
 use super::tiles::{Packet, PacketScene};
 use crate::fragments::Fragments;
-use crate::texture::Lit;
 
 /// Sixteen rays, and what they have gathered so far.
 pub(super) struct Waiting {
@@ -58,7 +57,7 @@ impl Waiting {
         let mut march = March {
             texture,
             pass: &scene.pass,
-            lit: scene.shading.map(|shading| Lit { shading, lights: &self.lights }),
+            lit: scene.shading.map(|shading| Shade { shading, lights: &self.lights }),
             max_behind: &self.max_behind,
             chunk,
             rays: &mut self.rays,
