@@ -88,8 +88,14 @@ pub(crate) struct Occupancy<'a> {
     blocks: [usize; 3],
     /// Of each block, 1 if anything in it is visible, and 0 if nothing is; of an extreme, the largest value times the sign.
     bounds: Vec<f32>,
-    /// Bounds of the field, where segments may pass vacuum, and what is visible of it.
-    gaps: Option<(Vec<BlockRange>, &'a (dyn Fn(f32, f32) -> bool + Sync))>,
+    /// Where segments may pass vacuum.
+    gaps: Option<Gaps<'a>>,
+}
+
+/// Bounds of the field in each block, and what is visible of it.
+struct Gaps<'a> {
+    ranges: Vec<BlockRange>,
+    visible: &'a (dyn Fn(f32, f32) -> bool + Sync),
 }
 
 impl<'a> Occupancy<'a> {
@@ -122,7 +128,7 @@ impl<'a> Occupancy<'a> {
             return None;
         }
         let gaps = match shown {
-            Shown::Segments(visible) if all.iter().any(|range| range.vacuum) => Some((all, visible)),
+            Shown::Segments(visible) if all.iter().any(|range| range.vacuum) => Some(Gaps { ranges: all, visible }),
             _ => None,
         };
         Some(Self { blocks, bounds, gaps })
@@ -133,7 +139,7 @@ impl<'a> Occupancy<'a> {
         let [x, y, z] = cells.map(|[low, high]| low / Self::EDGE..high / Self::EDGE + 1);
         let rows = || z.clone().flat_map(|z| y.clone().map(move |y| (z * self.blocks[1] + y) * self.blocks[0]));
         let none = rows().all(|row| self.bounds[row + x.start..row + x.end].iter().all(|&bound| bound <= floor));
-        none && self.gaps.as_ref().is_none_or(|(ranges, visible)| {
+        none && self.gaps.as_ref().is_none_or(|Gaps { ranges, visible }| {
             let touched = rows().flat_map(|row| &ranges[row + x.start..row + x.end]);
             !is_visible_across(&touched.fold(NOTHING, |all, range| hull(&all, range)), visible)
         })

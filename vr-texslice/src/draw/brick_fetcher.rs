@@ -40,6 +40,10 @@ impl<S: Simd, X: Texture> Fetch<S> for BrickFetcher<'_, '_, X> {
         self.fetcher.fetch(simd, rays, which, chunk);
     }
 
+    fn fetch_across(&mut self, simd: S, samples: &[(&Fragments, &Lanes)], chunk: &mut Chunk) {
+        self.fetcher.fetch_across(simd, samples, chunk);
+    }
+
     fn gradients(&mut self, simd: S, rays: &Fragments, which: SampleSet<'_>, segments: bool, chunk: &mut Chunk) {
         self.fetcher.gradients(simd, rays, which, segments, chunk);
         if !segments {

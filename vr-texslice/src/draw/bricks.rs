@@ -13,7 +13,6 @@ use super::brick_fetcher::{BrickFetcher, Middles};
 use super::chunk::{Chunk, Fetcher};
 use super::classify::Classifier;
 use super::picture::Picture;
-use super::step::Step;
 use super::tiles::{Packet, PacketScene, Pixel, sixteens};
 use super::waiting::Waiting;
 use crate::bricks::{BrickLattice, BrickSource, Pool};
@@ -207,12 +206,11 @@ impl BrickRays {
         let here = samples_here(simd, &self.waiting.rays, &self.next, part);
         let mut texture = BrickFetcher { fetcher, part, middles: &mut self.middles };
         if here.any() {
-            let only = |first, last| Step { first, whole: 0, last, number: Lanes::ZERO };
             self.waiting.march(scene, &mut texture, chunk, |march| {
-                march.step(simd, &only(here.first, 0));
+                march.enter(simd, here.first);
                 let (from, to) = here.whole();
                 march.stretch(simd, from, &to);
-                march.step(simd, &only(0, here.last));
+                march.leave(simd, here.last);
             });
             texture.middles.forget(&self.next, &here.next);
             self.next = here.next;

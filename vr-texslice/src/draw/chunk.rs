@@ -12,6 +12,7 @@ use crate::texture::Texture;
 pub(crate) const CHUNK: usize = 8;
 
 /// Values, or light and opacity, of up to [`CHUNK`] samples.
+#[derive(Clone, Copy)]
 pub(crate) struct Chunk {
     /// Number of samples.
     pub(crate) len: usize,
@@ -100,6 +101,9 @@ pub(crate) trait Fetch<S: Simd> {
     /// Fetches samples of rays into a chunk: its `len` first ones.
     fn fetch(&mut self, simd: S, rays: &Fragments, which: SampleSet<'_>, chunk: &mut Chunk);
 
+    /// Fetches a sample of the rays of several sixteens each, the j-th into place j of a chunk.
+    fn fetch_across(&mut self, simd: S, samples: &[(&Fragments, &Lanes)], chunk: &mut Chunk);
+
     /// Finds gradients at a chunk's samples that have light, zero at others; `segments`: in the middle of the segments which end at them.
     fn gradients(&mut self, simd: S, rays: &Fragments, which: SampleSet<'_>, segments: bool, chunk: &mut Chunk);
 }
@@ -131,12 +135,30 @@ impl<S: Simd, X: Texture> Fetch<S> for Fetcher<'_, X> {
                     if j + 1 < chunk.len {
                         self.texture.fetch(simd, &ahead, next);
                     }
-                    let [r, g, b, a] = self.texture.read(simd, &at, now);
-                    if X::LIGHT {
-                        chunk.light[j] = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)];
-                    } else {
-                        chunk.value[j] = Lanes::new(r);
+                    put::<S, X>(self.texture.read(simd, &at, now), j, chunk);
+                    (at, now, next) = (ahead, next, now);
+                }
+            },
+        );
+    }
+
+    fn fetch_across(&mut self, simd: S, samples: &[(&Fragments, &Lanes)], chunk: &mut Chunk) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let Some(last) = samples.len().checked_sub(1) else { return };
+                let [stage, next_stage] = &mut self.stages;
+                let (mut now, mut next) = (stage, next_stage);
+                let mut at = SampleSet::From(samples[0].1).place(simd, self.texture, samples[0].0, 0);
+                self.texture.fetch(simd, &at, now);
+                for j in 0..=last {
+                    // As along a ray: those of the next sixteen are fetched meanwhile.
+                    let (rays, number) = samples[(j + 1).min(last)];
+                    let ahead = SampleSet::From(number).place(simd, self.texture, rays, 0);
+                    if j < last {
+                        self.texture.fetch(simd, &ahead, next);
                     }
+                    put::<S, X>(self.texture.read(simd, &at, now), j, chunk);
                     (at, now, next) = (ahead, next, now);
                 }
             },
@@ -162,6 +184,16 @@ impl<S: Simd, X: Texture> Fetch<S> for Fetcher<'_, X> {
                 }
             },
         );
+    }
+}
+
+/// Puts what was read from a texture into a place of a chunk.
+#[inline(always)]
+fn put<S: Simd, X: Texture>([r, g, b, a]: [f32x16<S>; 4], j: usize, chunk: &mut Chunk) {
+    if X::LIGHT {
+        chunk.light[j] = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)];
+    } else {
+        chunk.value[j] = Lanes::new(r);
     }
 }
 

@@ -31,6 +31,40 @@ pub(crate) struct Pass<'a> {
     pub(crate) snap: f32,
 }
 
+impl Pass<'_> {
+    /// Number of the next samples of rays, if nothing can be visible in the blocks that they touch.
+    pub(super) fn invisible<S: Simd>(
+        &self,
+        simd: S,
+        rays: &Fragments,
+        state: &State,
+        number: &Lanes,
+        len: usize,
+    ) -> Option<u64> {
+        let occupancy = self.occupancy?;
+        let touched = if self.on_faces {
+            // A segment begins at the sample before.
+            let before = Lanes(number.0.map(|n| n - 1.0));
+            reach(simd, rays, &before, len + 1, (self.dims, self.snap))
+        } else {
+            reach(simd, rays, number, len, (self.dims, self.snap))
+        };
+        // An extreme is looked for above those that all live rays have.
+        let floor = match self.operator {
+            Operator::Extreme { .. } => {
+                let live = (0..LANES).filter(|&i| number.0[i] < rays.end.0[i]);
+                live.map(|i| state.value.0[i]).fold(f32::INFINITY, f32::min)
+            }
+            _ => 0.0,
+        };
+        if !occupancy.is_empty(touched.cells, floor) {
+            return None;
+        }
+        let left = |i: usize| (rays.end.0[i] - number.0[i]).clamp(0.0, len as f32) as u64;
+        Some(if self.on_faces { (0..LANES).map(left).sum() } else { touched.samples })
+    }
+}
+
 /// Largest number of samples of a ray that are looked at together.
 const FARTHEST: usize = 64;
 
@@ -110,7 +144,7 @@ impl<S: Simd> March<'_, S> {
                 break;
             }
             let len = (max as usize).min(stride);
-            if let Some(samples) = self.invisible(simd, &number, len) {
+            if let Some(samples) = self.pass.invisible(simd, self.rays, self.state, &number, len) {
                 self.done.skipped += samples;
                 stride = (2 * stride).min(FARTHEST);
                 if matches!(self.pass.classifier, Classifier::Segments(_)) {
@@ -217,32 +251,6 @@ impl<S: Simd> March<'_, S> {
                 self.before.0[i] = self.chunk.value[last.min(left as usize - 1)].0[i];
             }
         }
-    }
-
-    /// Number of the next samples, if nothing can be visible in the blocks that they touch.
-    pub(super) fn invisible(&self, simd: S, number: &Lanes, len: usize) -> Option<u64> {
-        let occupancy = self.pass.occupancy?;
-        let pass = self.pass;
-        let touched = if pass.on_faces {
-            // A segment begins at the sample before.
-            let before = Lanes(number.0.map(|n| n - 1.0));
-            reach(simd, self.rays, &before, len + 1, (pass.dims, pass.snap))
-        } else {
-            reach(simd, self.rays, number, len, (pass.dims, pass.snap))
-        };
-        // An extreme is looked for above those that all live rays have.
-        let floor = match pass.operator {
-            Operator::Extreme { .. } => {
-                let live = (0..LANES).filter(|&i| number.0[i] < self.rays.end.0[i]);
-                live.map(|i| self.state.value.0[i]).fold(f32::INFINITY, f32::min)
-            }
-            _ => 0.0,
-        };
-        if !occupancy.is_empty(touched.cells, floor) {
-            return None;
-        }
-        let left = |i: usize| (self.rays.end.0[i] - number.0[i]).clamp(0.0, len as f32) as u64;
-        Some(if pass.on_faces { (0..LANES).map(left).sum() } else { touched.samples })
     }
 }
 

@@ -46,6 +46,11 @@ impl Waiting {
         }
     }
 
+    /// Number of the samples at these numbers, if nothing can be visible of them.
+    pub(super) fn invisible<S: Simd>(&self, simd: S, scene: &PacketScene<'_>, number: &Lanes) -> Option<u64> {
+        scene.pass.invisible(simd, &self.rays, &self.state, number, 1)
+    }
+
     /// Takes up the march where it was left.
     pub(super) fn march<S: Simd>(
         &mut self,
