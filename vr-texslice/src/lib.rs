@@ -46,6 +46,8 @@
 //! on the faces between slabs, where a ray enters and where it leaves. That is its model ([`Prepared::model`](vr_core::Prepared::model)); tables and rounding add
 //! 10⁻⁷ to 10⁻⁵ to it, 10⁻⁴ where a transfer function bends within a hundredth of a texture's range.
 //!
+//! A stack's slice on a layer belongs to the cells on both sides of it: beside missing voxels it is vacuum where either of them is.
+//!
 //! Shaded, a fragment of values reflects what a surface across the gradient at its sample does; a segment, at its middle, so that both ends have their share.
 //! Light (`rgba`, `luminance-alpha`, palettes) is shaded at the voxels before it is interpolated, each voxel by the ray on which it is seen: in perspective from the eye to
 //! it. Beside each index a palette keeps what its voxel reflects, three factors and three lights: it has one colour for a value, not one for each way that

@@ -257,7 +257,7 @@ impl TextureStore {
                 // A point is looked for between slices, too: where a ray enters and leaves, both have their share.
                 let texture = match job.scene.pass.operator {
                     Operator::First { .. } => Voxels::new(&lattice),
-                    _ => Voxels::stack(&lattice, renderer.per_layer()),
+                    _ => Voxels::stack(&lattice, renderer.per_layer(), volume.vacuum_cells().is_some()),
                 };
                 job.visit(texture.with_relief(relief(axes_of_stack(axis))))
             });

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 use vr_core::filter::Lattice;
-use vr_kernels::vector::{Cells, Field, Lanes, Pairs, Stage, cells, central_differences, inside};
+use vr_kernels::vector::{Cells, Field, Lanes, Pairs, Stage, cells, central_differences, inside, pick, splat};
 
 use super::Texture;
 use super::interpolant::slopes;
@@ -16,6 +16,8 @@ pub(crate) struct Voxels<'a, T> {
     dims: [usize; 3],
     /// Slices to a layer along the last axis, where there is nothing between slices: of a stack of 2D textures.
     per_layer: Option<f32>,
+    /// True if voxels are missing: what lies on a layer of a stack is vacuum, then, if the cell on either side of it is.
+    has_holes: bool,
     relief: Relief<'a>,
 }
 
@@ -40,17 +42,50 @@ impl<'a> Relief<'a> {
 impl<'a, T: Pairs> Voxels<'a, T> {
     /// A 3D texture.
     pub(crate) fn new(lattice: &Lattice<'a, T>) -> Self {
-        Self { field: Field::new(lattice), dims: lattice.dims, per_layer: None, relief: Relief::Values }
+        Self {
+            field: Field::new(lattice),
+            dims: lattice.dims,
+            per_layer: None,
+            has_holes: false,
+            relief: Relief::Values,
+        }
     }
 
     /// A stack of 2D textures, layer by layer, and so many slices to a layer: those between two layers are interpolated.
-    pub(crate) fn stack(lattice: &Lattice<'a, T>, per_layer: u32) -> Self {
-        Self { per_layer: Some(per_layer as f32), ..Self::new(lattice) }
+    pub(crate) fn stack(lattice: &Lattice<'a, T>, per_layer: u32, has_holes: bool) -> Self {
+        Self { per_layer: Some(per_layer as f32), has_holes, ..Self::new(lattice) }
     }
 
     /// The same, with gradients from a source.
     pub(crate) fn with_relief(self, relief: Relief<'a>) -> Self {
         Self { relief, ..self }
+    }
+}
+
+impl<T: Pairs> Voxels<'_, T> {
+    /// Values at places, NaN on the lower face of a cell along the last axis where the cell before it is vacuum.
+    ///
+    /// Its own function: few volumes have holes.
+    #[inline(never)]
+    fn unless_vacuum_before<S: Simd>(&self, simd: S, at: &Cells<S>, value: f32x16<S>) -> f32x16<S> {
+        let mut lanes = Lanes::new(value);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let [x, y, z] = at.cell;
+                let [tx, ty, tz] = at.fraction;
+                let on_face = tz.simd_eq(splat(simd, 0.0)) & z.simd_gt(i32x16::splat(simd, 0));
+                if on_face.any_true() {
+                    let cell = [x, y, (z - 1).max(i32x16::splat(simd, 0))];
+                    let before = Cells { cell, fraction: [tx, ty, splat(simd, 1.0)] };
+                    let mut stage = Stage::default();
+                    self.field.fetch(simd, &before, &mut stage);
+                    let there = self.field.value(simd, &before, &stage);
+                    lanes = Lanes::new(pick(on_face & !there.simd_eq(there), there, value));
+                }
+            },
+        );
+        lanes.load(simd)
     }
 }
 
@@ -69,7 +104,8 @@ impl<T: Pairs> Texture for Voxels<'_, T> {
         let mut z = inside(simd, z, max[2]);
         if let Some(per_layer) = self.per_layer {
             let slice: i32x16<S> = (z * per_layer + 0.5).to_int();
-            z = inside(simd, slice.to_float::<f32x16<S>>() * (1.0 / per_layer), max[2]);
+            // Divided, a slice on a layer is there to the last bit: beside holes it matters.
+            z = inside(simd, slice.to_float::<f32x16<S>>() / per_layer, max[2]);
         }
         cells(simd, [inside(simd, x, max[0]), inside(simd, y, max[1]), z], self.field.last_cell)
     }
@@ -81,7 +117,8 @@ impl<T: Pairs> Texture for Voxels<'_, T> {
 
     #[inline(always)]
     fn read<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Stage<T>) -> [f32x16<S>; 4] {
-        [self.field.value(simd, at, stage); 4]
+        let value = self.field.value(simd, at, stage);
+        [if self.has_holes { self.unless_vacuum_before(simd, at, value) } else { value }; 4]
     }
 
     #[inline(always)]
