@@ -94,6 +94,26 @@ fn pictures_are_what_the_model_sums() {
 }
 
 #[test]
+fn a_wall_stays_one_under_any_factor_but_zero() {
+    let grid =
+        UniformGrid::new([4; 3], vec![0u8; 64], Placement::from_spacing([1.0; 3]).unwrap(), Calibration::default());
+    let points = [(0.0, 1.0), (1.0, 0.5)].map(|(v, a)| ControlPoint::new(v, [0.5, 0.25, 0.75], a));
+    let transfer = TransferFunction::new(points.to_vec(), OpacityRule::Power, 1.0).unwrap();
+    let plain = Scene::new(grid.unwrap().into(), transfer);
+    for (factor, want) in [(0.5, [0.5, 0.25, 0.75, 1.0]), (1e-3, [0.5, 0.25, 0.75, 1.0]), (0.0, [0.0; 4])] {
+        // Nothing reflects where the gradient is zero.
+        let shading = Shading { gradient_opacity: vec![(0.0, factor)], ..Shading::default() };
+        let scene = Scene { shading: Some(Arc::new(shading)), ..plain.clone() };
+        for format in [Format::Scalar, Format::PreIntegrated, Format::Compressed, Format::Rgba, Format::Paletted] {
+            let renderer = TextureSlicer { format, ..TextureSlicer::brute_force() };
+            let pixel = draw(&renderer, &scene, &view(&scene, 33.0, 21.0, None, 5)).frame.pixel(2, 2);
+            // Rounding in f32.
+            assert!((0..4).all(|c| (pixel[c] - want[c]).abs() < 1e-6), "{format:?} {factor}: {pixel:?}");
+        }
+    }
+}
+
+#[test]
 fn errors_fall_with_the_distance() {
     let fog = phantom_scene::<f32>("fog", 32, 1.0);
     for (look, scene) in looks(&fog).iter().enumerate().skip(2) {
