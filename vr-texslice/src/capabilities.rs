@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use vr_core::{
-    Compositing, Configurable, Feature, Filter, GradientMethod, GridVolume, RenderError, Scene, Unsupported,
-};
+use vr_core::{Compositing, Configurable, Feature, Filter, GridVolume, RenderError, Scene, Unsupported};
 use vr_kernels::tables::beyond_f32;
 
+use crate::medium::follows_interpolant;
 use crate::texture_slicer::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
 
 pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderError {
@@ -43,6 +42,19 @@ pub(crate) fn check(renderer: &TextureSlicer, scene: &Scene) -> Result<Arc<GridV
             format!("compositing '{}' of light: take values", scene.compositing.name()),
         ));
     }
+    if picks && renderer.is_pre_integrated() {
+        let name = scene.compositing.name();
+        let why =
+            format!("pre-integrated segments under '{name}': a value is picked, and no light integrated; take scalar");
+        return Err(unsupported(Feature::Setting, why));
+    }
+    if picks && !renderer.correction {
+        let name = scene.compositing.name();
+        let why = format!(
+            "opacities without correction under '{name}': no opacity is gathered, and slabs count by their length"
+        );
+        return Err(unsupported(Feature::Setting, why));
+    }
     if picks && renderer.sets_termination() {
         return Err(unsupported(
             Feature::Setting,
@@ -67,30 +79,23 @@ pub(crate) fn check(renderer: &TextureSlicer, scene: &Scene) -> Result<Arc<GridV
             _ => {}
         }
     }
-    check_shading(scene)?;
     check_texture(renderer, scene)?;
     Ok(Arc::clone(volume))
 }
 
-fn check_shading(scene: &Scene) -> Result<(), RenderError> {
-    if scene.has_gradient_opacity() {
-        return Err(unsupported(Feature::GradientOpacity, "opacity that follows the gradient"));
-    }
-    let Some(shading) = scene.reflection() else { return Ok(()) };
-    if shading.gradient == GradientMethod::Analytic {
+fn check_texture(renderer: &TextureSlicer, scene: &Scene) -> Result<(), RenderError> {
+    if renderer.holds_light() && follows_interpolant(scene) {
         return Err(unsupported(
             Feature::AnalyticGradients,
-            "analytic gradients: those at the voxels are interpolated",
+            "analytic gradients in textures of light: these are classified and shaded at the voxels, where eight cells meet and the interpolant has no derivative; \
+             take central differences, or values",
         ));
     }
-    Ok(())
-}
-
-fn check_texture(renderer: &TextureSlicer, scene: &Scene) -> Result<(), RenderError> {
     if renderer.format == Format::LuminanceAlpha {
         let grey = |c: [f64; 3]| c[0] == c[1] && c[1] == c[2];
-        let points = scene.transfer.points();
-        if !points.iter().all(|p| grey(p.color) && grey(p.emission.unwrap_or_default())) {
+        let rows = scene.transfer.rows().iter().flat_map(|row| row.transfer.points());
+        let mut points = scene.transfer.points().iter().chain(rows);
+        if !points.all(|p| grey(p.color) && grey(p.emission.unwrap_or_default())) {
             return Err(unsupported(Feature::Color, "colours in textures of luminance and alpha"));
         }
         if scene.reflection().is_some() && !scene.lights.iter().all(|light| grey(light.color)) {

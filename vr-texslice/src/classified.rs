@@ -5,6 +5,9 @@ use vr_core::filter::Lattice;
 use vr_core::parallel::each_part;
 use vr_core::{GridVolume, ParameterError, RayShading, Scene, Shading, View, Voxel, with_grid};
 
+use crate::gradients::at_voxel;
+use crate::medium::GradientMedium;
+use crate::palette::{Codes, Levels, Palette};
 use crate::region::Region;
 use crate::slices::Slices;
 use crate::texture_slicer::Format;
@@ -15,26 +18,24 @@ pub(crate) enum LightTexels {
     Luminance(Vec<[f32; 2]>),
     /// Indices into a palette; where voxels are shaded, factors on the three colours of each, and the three lights that are added to an opaque one. A palette
     /// holds one colour for a value, so it cannot hold the colours of all orientations of a surface.
+    /// Where opacity follows the gradient, the level of its magnitude as well.
     Indices {
         indices: Vec<u8>,
+        levels: Option<Vec<u8>>,
         reflections: Option<Vec<[f32; 6]>>,
     },
 }
-
-/// Light and opacity of every index.
-pub(crate) type Palette = [[f32; 4]; 256];
 
 /// A volume's texture of light.
 pub(crate) struct Classified {
     pub(crate) texels: LightTexels,
     /// Palette of indices.
-    pub(crate) palette: Option<Box<Palette>>,
+    pub(crate) palette: Option<Palette>,
+    /// Levels of the gradient's magnitude that indices have beside them.
+    levels: Option<Levels>,
     /// Rays on which voxels reflect what indices have beside them; `None` where they have nothing.
     seen: Option<Seen>,
 }
-
-/// Index, of 256, that stands for a missing voxel.
-const MISSING: u8 = 255;
 
 /// Key of a texture of light: the length of a slab, and how a view sees voxels where they are shaded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,28 +80,63 @@ impl<'a> VoxelShading<'a> {
         Some(Self { scene, volume, shading, rays })
     }
 
-    /// Factor on a voxel's colour, and light that is added to an opaque one.
-    fn reflect(&self, index: [usize; 3]) -> ([f64; 3], [f64; 3]) {
-        let placement = self.volume.placement();
-        let gradient = self.volume.central_differences_at_sample(index);
-        let world = placement.gradient_to_world(gradient.into()).to_array();
+    /// Factor on the colour of a voxel with this world gradient, and light that is added to an opaque one.
+    fn reflect(&self, world: DVec3, index: [usize; 3]) -> ([f64; 3], [f64; 3]) {
         match &self.rays {
-            VoxelRays::Parallel(shading) => shading.reflect(world),
+            VoxelRays::Parallel(shading) => shading.reflect(world.to_array()),
             VoxelRays::From(eye) => {
-                let voxel = placement.to_world(DVec3::from_array(index.map(|i| i as f64)));
+                let voxel = self.volume.placement().to_world(DVec3::from_array(index.map(|i| i as f64)));
                 // A voxel at the eye itself has no direction to it, and so no highlight.
-                self.shading.along(&self.scene.lights, (voxel - *eye).normalize_or_zero()).reflect(world)
+                let along = (voxel - *eye).normalize_or_zero();
+                self.shading.along(&self.scene.lights, along).reflect(world.to_array())
             }
         }
     }
+}
 
-    /// Light and opacity of a voxel, shaded.
-    fn shade(&self, [r, g, b, alpha]: [f64; 4], index: [usize; 3]) -> [f64; 4] {
-        // A clear voxel reflects nothing; vacuum is NaN.
-        if alpha.is_nan() || alpha <= 0.0 {
-            return [r, g, b, alpha];
+/// Classification and shading of voxels, in f64.
+pub(crate) struct VoxelOptics<'a> {
+    scene: &'a Scene,
+    volume: &'a GridVolume,
+    length: f64,
+    /// `None` where opacity follows no gradient.
+    medium: Option<GradientMedium<'a>>,
+    /// Codes and levels that stand for values and magnitudes, where a palette does.
+    codes: Option<Codes>,
+    levels: Option<Levels>,
+    shading: Option<VoxelShading<'a>>,
+}
+
+impl<'a> VoxelOptics<'a> {
+    pub(crate) fn new(format: Format, scene: &'a Scene, volume: &'a GridVolume, made: &TextureKey) -> Self {
+        let medium = GradientMedium::new(scene, volume);
+        let codes = (format == Format::Paletted).then(|| Codes::of(volume));
+        let levels = medium.as_ref().filter(|_| codes.is_some()).map(Levels::of);
+        let shading = VoxelShading::new(scene, volume, made.seen);
+        Self { scene, volume, length: made.length, medium, codes, levels, shading }
+    }
+
+    /// Light and opacity of a voxel for a slab, NaN where it is missing.
+    pub(crate) fn at(&self, stored: f64, index: [usize; 3]) -> [f64; 4] {
+        let stored = self.codes.map_or(stored, |codes| codes.level(stored));
+        if stored.is_nan() {
+            return [f64::NAN; 4];
         }
-        let (factor, added) = self.reflect(index);
+        let value = self.volume.calibration().value(stored);
+        let light = self.scene.transfer.step(value, self.length);
+        // A clear voxel reflects nothing, and is clear at every gradient.
+        let clear = light == [0.0; 4];
+        if clear || self.medium.is_none() && self.shading.is_none() {
+            return light;
+        }
+        let world = at_voxel(self.volume, index);
+        let light = self.medium.as_ref().map_or(light, |medium| {
+            let magnitude = medium.magnitude(world);
+            let magnitude = self.levels.map_or(magnitude, |levels| levels.magnitude(levels.level(magnitude)));
+            medium.step(value, magnitude, self.length)
+        });
+        let Some(shading) = &self.shading else { return light };
+        let ([r, g, b, alpha], (factor, added)) = (light, shading.reflect(world, index));
         let lit = |light: f64, c: usize| light * factor[c] + added[c] * alpha;
         [lit(r, 0), lit(g, 1), lit(b, 2), alpha]
     }
@@ -120,13 +156,12 @@ impl TextureKey {
 }
 
 impl LightTexels {
-    /// Bytes of a texel in a format of light, shaded or not.
-    pub(crate) fn texel_bytes(format: Format, shaded: bool) -> u64 {
+    /// Bytes of a texel in a format of light, shaded or not, whose opacity follows the gradient or not.
+    pub(crate) fn texel_bytes(format: Format, shaded: bool, follows: bool) -> u64 {
         match format {
             Format::Rgba => 16,
             Format::LuminanceAlpha => 8,
-            _ if shaded => 1 + size_of::<[f32; 6]>() as u64,
-            _ => 1,
+            _ => 1 + u64::from(follows) + if shaded { size_of::<[f32; 6]>() as u64 } else { 0 },
         }
     }
 
@@ -135,8 +170,9 @@ impl LightTexels {
         let bytes = match self {
             Self::Rgba(texels) => size_of_val(&texels[..]),
             Self::Luminance(texels) => size_of_val(&texels[..]),
-            Self::Indices { indices, reflections } => {
-                indices.len() + reflections.as_ref().map_or(0, |reflections| size_of_val(&reflections[..]))
+            Self::Indices { indices, levels, reflections } => {
+                let beside = reflections.as_ref().map_or(0, |reflections| size_of_val(&reflections[..]));
+                indices.len() + levels.as_ref().map_or(0, Vec::len) + beside
             }
         };
         bytes as u64
@@ -144,11 +180,8 @@ impl LightTexels {
 
     /// Classifies voxels for slabs of a length, or finds their indices.
     pub(crate) fn new(format: Format, scene: &Scene, volume: &GridVolume, made: &TextureKey, region: &Region) -> Self {
-        let shading = VoxelShading::new(scene, volume, made.seen);
-        let light = |stored: f64, index: [usize; 3]| {
-            let light = classified(scene, volume, made.length, stored);
-            shading.as_ref().map_or(light, |shading| shading.shade(light, index)).map(|x| x as f32)
-        };
+        let optics = VoxelOptics::new(format, scene, volume, made);
+        let light = |stored: f64, index: [usize; 3]| optics.at(stored, index).map(|x| x as f32);
         match format {
             Format::Rgba => Self::Rgba(each(volume, region, light)),
             Format::LuminanceAlpha => Self::Luminance(each(volume, region, |stored, index| {
@@ -157,8 +190,13 @@ impl LightTexels {
             })),
             _ => {
                 let code = Codes::of(volume);
+                let medium = GradientMedium::new(scene, volume);
+                let levels = medium.as_ref().map(|medium| (medium, Levels::of(medium)));
                 Self::Indices {
                     indices: each(volume, region, |stored, _| code.index(stored)),
+                    levels: levels.map(|(medium, levels)| {
+                        each(volume, region, |_, index| levels.level(medium.magnitude(at_voxel(volume, index))))
+                    }),
                     reflections: reflections(scene, volume, made.seen, region),
                 }
             }
@@ -172,26 +210,36 @@ pub(crate) fn max_code_error(format: Format, volume: &GridVolume) -> f32 {
 }
 
 /// The palette of a format, for slabs of a length; `None` of formats that have none.
-pub(crate) fn palette(format: Format, scene: &Scene, volume: &GridVolume, length: f64) -> Option<Box<Palette>> {
+pub(crate) fn palette(format: Format, scene: &Scene, volume: &GridVolume, length: f64) -> Option<Palette> {
     (format == Format::Paletted).then(|| Codes::of(volume).palette(scene, volume, length))
 }
 
+/// Levels that a format keeps beside indices; `None` of formats that keep none, and where opacity follows no gradient.
+pub(crate) fn levels(format: Format, scene: &Scene, volume: &GridVolume) -> Option<Levels> {
+    GradientMedium::new(scene, volume).filter(|_| format == Format::Paletted).as_ref().map(Levels::of)
+}
+
 impl Classified {
-    /// Bytes that a volume takes in a format of light, shaded or not.
-    pub(crate) fn bytes(format: Format, volume: &GridVolume, shaded: bool) -> u64 {
-        volume.dims().iter().product::<usize>() as u64 * LightTexels::texel_bytes(format, shaded)
+    /// Bytes that a volume takes in a format of light.
+    pub(crate) fn bytes(format: Format, scene: &Scene, volume: &GridVolume) -> u64 {
+        let (shaded, follows) = (scene.reflection().is_some(), scene.has_gradient_opacity());
+        volume.dims().iter().product::<usize>() as u64 * LightTexels::texel_bytes(format, shaded, follows)
     }
 
     /// Classifies every voxel for slabs of a length, or makes its index and a palette.
     pub(crate) fn new(format: Format, scene: &Scene, volume: &GridVolume, made: &TextureKey) -> Self {
         let texels = LightTexels::new(format, scene, volume, made, &Region::whole(volume.dims()));
-        Self { texels, palette: palette(format, scene, volume, made.length), seen: made.seen }
+        let (palette, levels) = (palette(format, scene, volume, made.length), levels(format, scene, volume));
+        Self { texels, palette, levels, seen: made.seen }
     }
 
     /// Takes over a new transfer function, length or view where no voxel has to be read again; returns true if what voxels reflect is new, false where only the
     /// palette is; `None` if every voxel has to be classified again.
     pub(crate) fn recolor(&mut self, scene: &Scene, volume: &GridVolume, made: &TextureKey) -> Option<bool> {
         let LightTexels::Indices { reflections: kept, .. } = &mut self.texels else { return None };
+        if self.levels != levels(Format::Paletted, scene, volume) {
+            return None;
+        }
         self.palette = palette(Format::Paletted, scene, volume, made.length);
         let serves = self.seen == made.seen;
         if !serves {
@@ -215,37 +263,9 @@ impl Classified {
 fn reflections(scene: &Scene, volume: &GridVolume, seen: Option<Seen>, region: &Region) -> Option<Vec<[f32; 6]>> {
     let shading = VoxelShading::new(scene, volume, seen)?;
     Some(each(volume, region, |_, index| {
-        let ([a, b, c], [d, e, f]) = shading.reflect(index);
+        let ([a, b, c], [d, e, f]) = shading.reflect(at_voxel(volume, index), index);
         [a, b, c, d, e, f].map(|x| x as f32)
     }))
-}
-
-/// Light and opacity of a stored number and a slab, NaN where it is missing.
-fn classified(scene: &Scene, volume: &GridVolume, length: f64, stored: f64) -> [f64; 4] {
-    if stored.is_nan() { [f64::NAN; 4] } else { scene.transfer.step(volume.calibration().value(stored), length) }
-}
-
-/// Texels of light in f64, as the model has them: classified, and shaded.
-pub(crate) struct ExactTexels<'a> {
-    codes: Option<Codes>,
-    shading: Option<VoxelShading<'a>>,
-    scene: &'a Scene,
-    volume: &'a GridVolume,
-    length: f64,
-}
-
-impl<'a> ExactTexels<'a> {
-    pub(crate) fn new(format: Format, scene: &'a Scene, volume: &'a GridVolume, made: &TextureKey) -> Self {
-        let codes = (format == Format::Paletted).then(|| Codes::of(volume));
-        Self { codes, shading: VoxelShading::new(scene, volume, made.seen), scene, volume, length: made.length }
-    }
-
-    /// Light and opacity of a voxel, NaN where it is missing.
-    pub(crate) fn at(&self, stored: f64, index: [usize; 3]) -> [f64; 4] {
-        let stored = self.codes.map_or(stored, |codes| codes.level(stored));
-        let light = classified(self.scene, self.volume, self.length, stored);
-        self.shading.as_ref().map_or(light, |shading| shading.shade(light, index))
-    }
 }
 
 /// One texel for every sample of a region, from its stored number and its index.
@@ -273,48 +293,4 @@ fn each<X: Send + Copy + Default>(
         fill(&Lattice { samples: g.samples(), dims: g.dims() }, region, &mut all, texel);
     });
     all
-}
-
-/// Indices of stored numbers: bytes as they are; anything else by the nearest of 255 levels over its range, one index standing for missing voxels.
-#[derive(Clone, Copy, Debug)]
-struct Codes {
-    low: f64,
-    step: f64,
-    last: f64,
-}
-
-impl Codes {
-    fn of(volume: &GridVolume) -> Self {
-        let (low, high) = volume.value_stats().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
-        if volume.voxel_type().is_integer() && high - low <= 255.0 {
-            return Self { low, step: 1.0, last: 255.0 };
-        }
-        let last = f64::from(MISSING - 1);
-        Self { low, step: if high > low { (high - low) / last } else { 1.0 }, last }
-    }
-
-    fn index(&self, stored: f64) -> u8 {
-        if stored.is_nan() { MISSING } else { ((stored - self.low) / self.step + 0.5).clamp(0.0, self.last) as u8 }
-    }
-
-    /// Light and opacity of every index.
-    fn palette(&self, scene: &Scene, volume: &GridVolume, length: f64) -> Box<Palette> {
-        let holes = volume.value_stats().has_missing();
-        let entry = |i: usize| {
-            let missing = holes && i == usize::from(MISSING);
-            let stored = if missing { f64::NAN } else { self.low + i as f64 * self.step };
-            classified(scene, volume, length, stored).map(|x| x as f32)
-        };
-        Box::new(std::array::from_fn(entry))
-    }
-
-    /// Largest distance from a stored number to the one that stands for it.
-    fn max_error(&self) -> f64 {
-        if self.last == 255.0 { 0.0 } else { 0.5 * self.step }
-    }
-
-    /// The stored number that stands for a given one in a palette.
-    fn level(&self, stored: f64) -> f64 {
-        if stored.is_nan() { stored } else { self.low + f64::from(self.index(stored)) * self.step }
-    }
 }

@@ -81,6 +81,22 @@ impl Compressed {
         mix(mix(mix(c0, c1, x), mix(c2, c3, x), y), mix(mix(c4, c5, x), mix(c6, c7, x), y), z)
     }
 
+    /// Derivative of the field between texels per index step, inside the cell of a place in index space; NaN beside a missing one.
+    pub(crate) fn slope_at(&self, at: [f64; 3]) -> [f64; 3] {
+        let cell: [usize; 3] = std::array::from_fn(|a| (at[a] as usize).min(self.dims[a] - 2));
+        let corners = self.cell(cell).map(f64::from);
+        std::array::from_fn(|a| {
+            let [b, c] = [[1, 2], [0, 2], [0, 1]][a];
+            let (t, u) = (at[b] - cell[b] as f64, at[c] - cell[c] as f64);
+            let rise = |along_b: usize, along_c: usize| {
+                let low = (along_b << b) + (along_c << c);
+                corners[low + (1 << a)] - corners[low]
+            };
+            let row = |along_c: usize| rise(0, along_c) + t * (rise(1, along_c) - rise(0, along_c));
+            row(0) + u * (row(1) - row(0))
+        })
+    }
+
     /// Central differences of the texels per index step, linear between them, at a place in index space: from the texels of the cells around it.
     pub(crate) fn gradient_at<R: Real>(&self, at: [R; 3]) -> [R; 3] {
         gradient_of_texels(self.dims, at, |texel| self.at(texel))

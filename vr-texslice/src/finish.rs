@@ -7,6 +7,7 @@ use vr_kernels::vector::Operator;
 use crate::compression::Compressed;
 use crate::draw::{Pixel, State};
 use crate::fragments::Fragments;
+use crate::gradients::ExactGradients;
 
 /// Inputs for finishing pixels.
 pub(crate) struct Finish<'a> {
@@ -75,11 +76,8 @@ impl Finish<'_> {
         let mut rgba = [r, g, b, 1.0];
         if let Some(shading) = self.scene.reflection() {
             let at = self.index(rays, i, reached);
-            let gradient = match self.compressed {
-                Some(compressed) => compressed.gradient_at(at),
-                None => self.volume.central_differences_at(at),
-            };
-            let world = self.volume.placement().gradient_to_world(gradient.into());
+            let (volume, compressed) = (self.volume, self.compressed);
+            let world = ExactGradients { volume, compressed, method: shading.gradient }.at(at);
             let along = DVec3::from(rays.chords.along.map(|a| a[i]));
             rgba = shading.along(&self.scene.lights, along).shade(rgba, world.to_array());
         }

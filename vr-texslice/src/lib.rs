@@ -46,11 +46,21 @@
 //! on the faces between slabs, where a ray enters and where it leaves. That is its model ([`Prepared::model`](vr_core::Prepared::model)); tables and rounding add
 //! 10⁻⁷ to 10⁻⁵ to it, 10⁻⁴ where a transfer function bends within a hundredth of a texture's range.
 //!
+//! A stack's slice on a layer belongs to the cells on both sides of it: beside missing voxels it is vacuum where either of them is.
+//!
 //! Shaded, a fragment of values reflects what a surface across the gradient at its sample does; a segment, at its middle, so that both ends have their share.
 //! Light (`rgba`, `luminance-alpha`, palettes) is shaded at the voxels before it is interpolated, each voxel by the ray on which it is seen: in perspective from the eye to
 //! it. Beside each index a palette keeps what its voxel reflects, three factors and three lights: it has one colour for a value, not one for each way that
-//! a surface may face. Compressed textures are shaded by gradients of what their blocks hold, and are as rough as these. Beside missing voxels gradients are those of
-//! the field in which missing ones have the nearest value that is there.
+//! a surface may face. Compressed textures are shaded by gradients of what their blocks hold, and are as rough as these. Beside missing voxels central differences are
+//! those of the field in which missing ones have the nearest value that is there.
+//!
+//! Opacity follows the gradient, by a factor or by the rows of a transfer function, where the same gradients say: a fragment of values is classified by its value and by
+//! the magnitude at its sample. A segment has the magnitude of its middle all along: a factor makes it so much longer, as far as it absorbs; of rows, their means over
+//! the segment are mixed. Light is classified by the gradients at the voxels, and a palette keeps one of 256 levels of the magnitude beside each index (Kniss, Kindlmann
+//! & Hansen 2001, *Interactive volume rendering using multi-dimensional transfer functions and direct manipulation widgets*): it has 256 colours for each of them.
+//!
+//! Analytic gradients are the derivative of the trilinear interpolant in a sample's cell, on a face between two of the one with the larger index, and none in vacuum, where the
+//! middle of a segment may lie. Textures of light have no such gradients: at a voxel, eight cells meet.
 //!
 //! Depths are world distances along the ray: to where opacity reaches a half under `over` and `accumulate`, whatever the order of blending, to the point of `first`, to the sample that
 //! `maximum` and `minimum` pick. A mean is nowhere: +∞.
@@ -71,14 +81,14 @@
 //! | compressed | 0.41 (bytes), 0.56 (16 bits), 0.63 (floats) | a table | as scalar |
 //! | rgba | 16 | every voxel | every voxel, if shaded |
 //! | luminance-alpha | 8 | every voxel | every voxel, if shaded |
-//! | paletted | 1; shaded 25 | 256 entries | what every voxel reflects, if shaded |
+//! | paletted | 1; shaded 24 more; by gradient 1 more | 256 entries; by gradient 256² | what every voxel reflects, if shaded |
 //!
 //! [`RenderStats::stages`](vr_core::RenderStats::stages) of the next picture tells what had to be made, and how long it took: `table`, `palette`, `classify`,
 //! `reflect`, `compress`, `stack`, `brick`; what was there already is not listed. Textures, tables apart, stay within [`TextureSlicer::budget`], or there is a typed error.
 //!
 //! # Bricks
 //! [`TextureSlicer::brick`] cuts the volume's texture into bricks, each a texture of its own: its cells' texels, of which neighbours share a layer, and where
-//! fragments are shaded one more on all sides, for central differences, and beside missing voxels the values that gradients are taken from. Bricks are drawn in an
+//! fragments look at central differences one more on all sides, and beside missing voxels the values that these are taken from. Bricks are drawn in an
 //! order in which none hides one before it, or back to front, and each takes all fragments that lie in it; the picture is that through one texture, bit for bit, in
 //! every format, under every operator and blend, shaded or not.
 //!
@@ -86,18 +96,19 @@
 //! plain values. It stays for later pictures until the budget has no room for another, and the least recently used ones go first. Compressed blocks
 //! themselves stay, and count. A budget in which the largest brick has no room is refused, with the bytes that it needs.
 //!
-//! A pre-integrated segment may begin in one brick and end in another: it is drawn in that of its end, with the value kept from its begin, and, shaded, what its middle
-//! reflects, kept from the brick of that. A brick is left out where nothing is visible as far around it as a segment reaches.
+//! A pre-integrated segment may begin in one brick and end in another: it is drawn in that of its end, with the value kept from its begin, and the gradient of its middle, if
+//! that is looked at, from the brick of the middle. A brick is left out where nothing is visible as far around it as a segment reaches.
 //!
 //! # Accuracy
 //! Against the canonical pixel, errors fall with the distance of slices by the order 2 where field and transfer function are continuous, of planes, shells and
-//! pre-integrated segments; where the transfer function jumps, by 1, but by 1.4 to 1.6 of segments. Stacks, compression and light that is interpolated after
+//! pre-integrated segments; where the transfer function jumps, by 1, but by 1.4 to 1.6 of segments; by 1 where analytic gradients are looked at, which jump from cell to
+//! cell. Stacks, compression and light that is interpolated after
 //! classification have an error of their own that no distance takes away. `docs/figures/vr-texslice.md` has the figures; the bounds on the hard cases of
 //! `vr-physics` are those of [`Documented::hard_case_errors`](vr_core::Documented::hard_case_errors). No error can be promised.
 //!
 //! # What it does not do
-//! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; filters other than the trilinear one; analytic gradients, and opacity that
-//! follows the gradient; colours, and lights of a colour, on luminance alone; values picked from textures of light, or back to front; stacks but of values; bricks
+//! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; filters other than the trilinear one; analytic gradients in textures of light;
+//! colours, and lights of a colour, on luminance alone; values picked from textures of light, back to front, by segments or without correction; stacks but of values; bricks
 //! of stacks, whose textures are layers; and bricks slice by slice: a brick's slices are drawn while it is there. `maximum` and `minimum` are of samples.
 
 mod bricks;
@@ -108,10 +119,13 @@ mod draw;
 mod finish;
 mod fragments;
 pub mod geometry;
+mod gradients;
 mod hard_cases;
+mod medium;
 mod model;
 mod occupancy;
 mod options;
+mod palette;
 mod prepared;
 mod projection;
 mod proxy;

@@ -2,16 +2,19 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use vr_core::optics::opacity_of_thickness;
 use vr_core::{
     Control, DiscreteModel, GridVolume, IndexRay, Layer, Ray, Rays, RenderError, Scene, SegmentTerm, View, Voxel,
 };
 use vr_kernels::tables::PreIntegrated;
 
-use crate::classified::{ExactTexels, TextureKey};
+use crate::classified::{TextureKey, VoxelOptics};
 use crate::compression::Compressed;
+use crate::gradients::ExactGradients;
+use crate::medium::GradientMedium;
 use crate::slices::{Slabs, Slices};
-use crate::tables::segments;
+use crate::tables::{segments, segments_of_rows};
 use crate::texture_slicer::TextureSlicer;
 
 /// The sum over slabs.
@@ -24,6 +27,8 @@ pub(crate) struct SliceModel {
     rays: Rays,
     slices: Slices,
     segments: Option<PreIntegrated<f64>>,
+    /// Segments of each row of a transfer function by gradient.
+    row_segments: Vec<PreIntegrated<f64>>,
     compressed: Option<Arc<Compressed>>,
     /// Key of the texels of light.
     made: Option<TextureKey>,
@@ -47,7 +52,8 @@ impl SliceModel {
             volume: Arc::clone(volume),
             rays: Rays::new(view)?,
             slices,
-            segments: renderer.is_pre_integrated().then(|| segments(scene, volume)),
+            segments: renderer.is_pre_integrated().then(|| segments(&scene.transfer, volume)),
+            row_segments: if renderer.is_pre_integrated() { segments_of_rows(scene, volume) } else { Vec::new() },
             compressed,
             made,
         })
@@ -130,7 +136,7 @@ impl Along<'_> {
     fn light(&self, s: f64, made: &TextureKey, length: f64) -> [f64; 4] {
         let (scene, volume) = (&self.model.scene, self.volume);
         let dims = volume.dims();
-        let texels = ExactTexels::new(self.model.renderer.format, scene, volume, made);
+        let texels = VoxelOptics::new(self.model.renderer.format, scene, volume, made);
         let texel = |index: [usize; 3]| {
             fn number<T: Voxel>(samples: &[T], at: usize) -> f64 {
                 samples[at].to_f32().into()
@@ -149,35 +155,51 @@ impl Along<'_> {
         [r * share, g * share, b * share, corrected]
     }
 
-    /// Light and opacity of a slab, by what a surface across the gradient at an index reflects.
-    fn shaded(&self, light: [f64; 4], index: [f64; 3]) -> [f64; 4] {
+    /// Gradient in the world at an index, zero where no fragment looks at it.
+    fn gradient(&self, index: [f64; 3]) -> DVec3 {
+        let Some(shading) = self.model.scene.gradient_shading() else { return DVec3::ZERO };
+        let (volume, compressed) = (self.volume, self.model.compressed.as_deref());
+        ExactGradients { volume, compressed, method: shading.gradient }.at(index)
+    }
+
+    /// Light and opacity of a slab, by what a surface across a gradient reflects.
+    fn shaded(&self, light: [f64; 4], world: DVec3) -> [f64; 4] {
         let scene = &self.model.scene;
         let Some(shading) = scene.reflection() else { return light };
-        let gradient = match &self.model.compressed {
-            Some(compressed) => compressed.gradient_at(index),
-            None => self.volume.central_differences_at(index),
-        };
-        let world = self.volume.placement().gradient_to_world(gradient.into());
         shading.along(&scene.lights, self.ray.direction).shade(light, world.to_array())
     }
 
     /// Light and opacity of a slab.
     fn fragment(&self, [begin, end]: [f64; 2], length: f64) -> [f64; 4] {
         let scene = &self.model.scene;
-        if let Some(table) = &self.model.segments {
-            let light = table.segment(self.stored(begin), self.stored(end), length);
-            // Half way between two slices of a stack, too: so both have their share.
-            return self.shaded(light, self.place(0.5 * (begin + end)));
-        }
         let middle = 0.5 * (begin + end);
         if let Some(made) = &self.model.made {
             return self.light(middle, made, length);
+        }
+        let medium = GradientMedium::new(scene, self.volume);
+        if let Some(table) = &self.model.segments {
+            let ends = [self.stored(begin), self.stored(end)];
+            // Half way between two slices of a stack, too: so both have their share.
+            let world = self.gradient(self.place(middle));
+            let light = medium.map_or_else(
+                || table.segment(ends[0], ends[1], length),
+                |medium| {
+                    let rows = &self.model.row_segments[..];
+                    let tables = if medium.has_rows() { rows } else { std::slice::from_ref(table) };
+                    medium.segment(tables, ends, medium.magnitude(world), length)
+                },
+            );
+            return self.shaded(light, world);
         }
         let stored = self.stored(middle);
         if stored.is_nan() {
             return [0.0; 4];
         }
-        let light = scene.transfer.step(self.volume.calibration().value(stored), length);
-        self.shaded(light, self.index(middle))
+        let (value, world) = (self.volume.calibration().value(stored), self.gradient(self.index(middle)));
+        let light = medium.map_or_else(
+            || scene.transfer.step(value, length),
+            |medium| medium.step(value, medium.magnitude(world), length),
+        );
+        self.shaded(light, world)
     }
 }

@@ -56,7 +56,7 @@ impl Configurable for TextureSlicer {
                 ),
                 DeclaredOption::switch(
                     "skip",
-                    "leave out blocks in which nothing can be visible",
+                    "leave out blocks in which nothing can be visible, or picked; same picture",
                     |r| r.skip_empty_space,
                     |r, on| r.skip_empty_space = on,
                 ),
@@ -70,12 +70,15 @@ impl Configurable for TextureSlicer {
                 .refuse("back to front, no pixel can end early: must be absent", |r| {
                     r.sets_termination() && r.blend == Blend::BackToFront
                 }),
-                DeclaredOption::switch(
+                DeclaredOption::<Self>::switch(
                     "correction",
                     "correct opacities for how far apart slices are along a ray; off shows why",
                     |r| r.correction,
                     |r, on| r.correction = on,
-                ),
+                )
+                .refuse("shells are equally far apart along every ray, and there is nothing to correct: must be absent", |r| {
+                    !r.correction && r.proxy == Proxy::Shells
+                }),
                 DeclaredOption::number(
                     "brick",
                     "cells along the edge of a brick, each a texture of its own, made when first met; 0: the volume is one; same picture",
@@ -133,6 +136,14 @@ mod tests {
             let error = TextureSlicer::default().configure(&Options::new().with(key, value)).unwrap_err();
             assert!(error.to_string().contains(key), "{error}");
         }
+    }
+
+    #[test]
+    fn shells_without_correction_are_refused() {
+        let shells = Options::new().with("proxy", "shells");
+        assert!(TextureSlicer::default().configure(&shells).is_ok());
+        let error = TextureSlicer::default().configure(&shells.with("correction", false)).unwrap_err().to_string();
+        assert!(error.contains("correction") && error.contains("shells"), "{error}");
     }
 
     #[test]

@@ -7,15 +7,16 @@ use vr_core::{
     Compositing, Control, Frame, GridVolume, Model, Prepared, Rays, RenderError, RenderStats, Rendered, Scene, View,
 };
 use vr_kernels::ranges::Visibility;
-use vr_kernels::vector::{Operator, PacketShading, Rows};
+use vr_kernels::vector::{Operator, PacketLights, PacketShading, Rows, Shade};
 
 use crate::capabilities::check;
 use crate::classified::max_code_error;
-use crate::draw::{Classifier, PacketScene, Pass};
+use crate::draw::{Classifier, PacketScene, Pass, Steepness};
 use crate::finish::Finish;
 use crate::fragments::Setup;
+use crate::medium::GradientMedium;
 use crate::model::SliceModel;
-use crate::occupancy::{FieldRanges, Occupancy};
+use crate::occupancy::{FieldRanges, Occupancy, Shown};
 use crate::slices::Slices;
 use crate::store::{Job, Needs, TextureStore, time_if_made};
 use crate::tables::Tables;
@@ -44,15 +45,18 @@ impl PreparedTextureSlicer {
         Ok(Self { renderer, scene: scene.clone(), volume, level: Level::new(), tables, textures, stats })
     }
 
-    /// True if a field between two stored numbers can be visible in a texture that is made of them.
+    /// True if a field between two stored numbers can be visible in a texture that is made of them, or can be picked.
     fn shows(&self, volume: &GridVolume) -> impl Fn(f32, f32) -> bool + Sync + use<> {
-        let visibility = if self.renderer.holds_light() {
-            Visibility::<f32>::of_light(&self.scene.transfer, volume.calibration(), None, None)
-        } else {
-            self.tables.of_length().visibility.clone()
+        let (transfer, calibration) = (&self.scene.transfer, volume.calibration());
+        let visibility = match self.scene.compositing {
+            Compositing::First { threshold } => Some(Visibility::of_threshold(threshold, calibration)),
+            // Every value counts.
+            Compositing::Average | Compositing::Maximum | Compositing::Minimum => None,
+            _ if self.renderer.holds_light() => Some(Visibility::<f32>::of_light(transfer, calibration, None, None)),
+            _ => Some(self.tables.of_length().visibility.clone()),
         };
         let error = max_code_error(self.renderer.format, volume);
-        move |low, high| visibility.shows(low - error, high + error)
+        move |low, high| visibility.as_ref().is_none_or(|visibility| visibility.shows(low - error, high + error))
     }
 }
 
@@ -90,23 +94,27 @@ impl Prepared for PreparedTextureSlicer {
         time_if_made(&mut stats, "table", || Ok(self.tables.tabulate(&scene, volume, slices.table_length())))?;
         // The textures that these slices need.
         let axes = slices.axis().map_or([0, 1, 2], axes_of_stack);
-        let reflection =
-            scene.reflection().filter(|_| scene.compositing.integrates_light() && !self.renderer.holds_light());
-        let needs = Needs { scene: &scene, volume, view, slices: &slices, shaded: reflection.is_some() };
+        let of_values = !operator.picks() && !self.renderer.holds_light();
+        let reflection = scene.reflection().filter(|_| of_values);
+        let medium = GradientMedium::new(&scene, volume).filter(|_| of_values);
+        let looks = reflection.is_some() || medium.is_some();
+        let gradients = scene.gradient_shading().filter(|_| looks).map(|shading| shading.gradient);
+        let needs = Needs { scene: &scene, volume, view, slices: &slices, gradients };
         self.textures.make(&self.renderer, &needs, control, &mut stats)?;
         // Blocks to leave out, and shading and classification of fragments.
-        let skips = self.renderer.skip_empty_space && !operator.picks();
+        let skips = self.renderer.skip_empty_space;
         let visible = self.shows(volume);
+        let shown = match operator {
+            Operator::Extreme { sign } => Shown::Largest(sign),
+            _ if self.renderer.is_pre_integrated() => Shown::Segments(&visible),
+            _ => Shown::Samples(&visible),
+        };
         let compressed = self.textures.compressed().cloned();
         let occupancy = stats.time("cull", || {
             let ranges = || FieldRanges::new(volume, compressed.as_deref(), Occupancy::EDGE);
-            skips.then(ranges).and_then(|ranges| Occupancy::new(&ranges, axes, &visible))
+            skips.then(ranges).and_then(|ranges| Occupancy::new(&ranges, axes, shown))
         });
-        let shading = reflection.map(|s| {
-            // A field without missing voxels is the volume's own, and lies as that does.
-            let axes = if volume.vacuum_cells().is_some() { [0, 1, 2] } else { axes };
-            PacketShading::new(Arc::clone(s), &scene.lights, volume.placement(), axes)
-        });
+        let shading = reflection.map(|s| PacketShading::new(Arc::clone(s), &scene.lights, volume.placement(), axes));
         let tables = self.tables.of_length();
         let even = slices.are_even();
         let exact = |stored: f32, ratio: f32| {
@@ -123,6 +131,40 @@ impl Prepared for PreparedTextureSlicer {
             None if !tables.baked.resolves() => Classifier::Exact(&exact),
             None => Classifier::Table { rows: Rows::new(&tables.baked), optics: &tables.optics, even },
         };
+        // Opacity that follows the gradient of fragments.
+        let world = |gradient: [f32; 3]| {
+            let mut by_axis = [0.0; 3];
+            axes.iter().zip(gradient).for_each(|(&a, g)| by_axis[a] = f64::from(g));
+            volume.placement().gradient_to_world(by_axis.into())
+        };
+        let magnitude = |gradient| medium.as_ref().map_or(0.0, |medium| medium.magnitude(world(gradient)));
+        let exact_steep = |stored: f32, ratio: f32, gradient: [f32; 3]| match &medium {
+            Some(medium) => {
+                let value = volume.calibration().value(f64::from(stored));
+                let length = f64::from(ratio) * tables.length;
+                medium.step(value, magnitude(gradient), length).map(|c| c as f32)
+            }
+            None => exact(stored, ratio),
+        };
+        let segment_steep = |ends: [f32; 2], length: f32, gradient: [f32; 3]| match &medium {
+            Some(medium) => {
+                let tables = &self.tables.row_segments;
+                medium.segment(tables, ends, magnitude(gradient), f64::from(length)).map(|c| c as f32)
+            }
+            None => [0.0; 4],
+        };
+        let factors = medium.as_ref().map_or_else(Vec::new, |medium| medium.packet_factors(axes));
+        let no_lights = PacketLights::default();
+        let shares: Vec<Shade<'_>> = factors.iter().map(|shading| Shade { shading, lights: &no_lights }).collect();
+        let steepness = medium.as_ref().map(|medium| match (&self.tables.segments, medium.has_rows()) {
+            (Some(_), true) => Steepness::Segments(&segment_steep),
+            (Some(table), false) => {
+                Steepness::SegmentFactor { factor: shares[0], table, emits: scene.transfer.has_emission() }
+            }
+            (None, _) if !tables.resolves_extinction => Steepness::Exact(&exact_steep),
+            (None, true) => Steepness::Rows { shares: &shares, optics: &tables.row_optics },
+            (None, false) => Steepness::Factor { factor: shares[0], optics: &tables.optics },
+        });
         // Everything that pixels share.
         let setup = Setup {
             rays: &rays,
@@ -141,6 +183,7 @@ impl Prepared for PreparedTextureSlicer {
                 setup,
                 pass: Pass {
                     classifier,
+                    steepness,
                     operator,
                     dims: axes.map(|a| volume.dims()[a]),
                     on_faces,
@@ -151,6 +194,7 @@ impl Prepared for PreparedTextureSlicer {
                         -1.0
                     },
                     occupancy: occupancy.as_ref(),
+                    snap: slices.axis().map_or(0.0, |_| 0.5 / self.renderer.per_layer() as f32),
                 },
                 shading: shading.as_ref(),
                 max_radiance: scene.max_radiance(),

@@ -4,14 +4,15 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use vr_core::filter::Lattice;
-use vr_core::{Control, Counts, GridVolume, RenderError, RenderStats, Scene, View, with_grid};
+use vr_core::{Control, Counts, GradientMethod, GridVolume, RenderError, RenderStats, Scene, View, with_grid};
 use vr_kernels::vector::Operator;
 
 use crate::bricks::{BrickKey, BrickLattice, BrickSource, Pool};
-use crate::classified::{Classified, Palette, TextureKey, palette};
+use crate::classified::{Classified, TextureKey, levels, palette};
 use crate::compression::Compressed;
-use crate::draw::{Bricked, PacketScene, Pixel, draw_slices, draw_tiles};
+use crate::draw::{Bricked, Classifier, PacketScene, Pixel, draw_slices, draw_tiles};
 use crate::occupancy::FieldRanges;
+use crate::palette::Palette;
 use crate::slices::Slices;
 use crate::texture::{Blocks, Relief, Texture, TextureVisitor, Voxels, visit_light};
 use crate::texture_slicer::{DrawOrder, Format, TextureSlicer};
@@ -26,7 +27,7 @@ pub(crate) struct TextureStore {
     compressed: Option<Arc<Compressed>>,
     bricks: Option<Pool>,
     /// The palette of bricks, and the length that it was made for; `None`: for a scene that has changed since.
-    palette: Option<(Option<f64>, Box<Palette>)>,
+    palette: Option<(Option<f64>, Palette)>,
 }
 
 /// A picture to draw.
@@ -57,8 +58,15 @@ pub(crate) struct Needs<'a> {
     pub(crate) volume: &'a GridVolume,
     pub(crate) view: &'a View,
     pub(crate) slices: &'a Slices,
-    /// True if fragments are shaded by gradients of values.
-    pub(crate) shaded: bool,
+    /// Gradients of values that fragments look at, if they look at any.
+    pub(crate) gradients: Option<GradientMethod>,
+}
+
+impl Needs<'_> {
+    /// True if gradients are taken from a field of their own, in which missing voxels are filled in.
+    fn fills_in(&self) -> bool {
+        self.gradients == Some(GradientMethod::CentralDifferences) && self.volume.vacuum_cells().is_some()
+    }
 }
 
 impl TextureStore {
@@ -126,7 +134,7 @@ impl TextureStore {
             None if self.compressed.is_some() => {}
             None => hold("the volume's texture", bytes, limit)?,
         }
-        if needs.shaded && volume.vacuum_cells().is_some() && self.compressed.is_none() {
+        if needs.fills_in() && self.compressed.is_none() {
             hold("a volume's texture and that of its gradients", 2 * bytes, limit)?;
         }
         Ok(())
@@ -142,8 +150,7 @@ impl TextureStore {
     ) -> Result<(), RenderError> {
         let Needs { scene, volume, .. } = *needs;
         let format = renderer.format;
-        let shaded = scene.reflection().is_some();
-        hold("the texture of light", Classified::bytes(format, volume, shaded), renderer.bytes())?;
+        hold("the texture of light", Classified::bytes(format, scene, volume), renderer.bytes())?;
         let made = TextureKey::new(scene, needs.view, needs.slices)?;
         if matches!(&self.classified, Some((of, _)) if *of == Some(made)) {
             return Ok(());
@@ -172,7 +179,8 @@ impl TextureStore {
     ) -> Result<(), RenderError> {
         let Needs { scene, volume, .. } = *needs;
         let light = renderer.holds_light().then(|| TextureKey::new(scene, needs.view, needs.slices)).transpose()?;
-        let mut key = BrickKey { shaded: needs.shaded, light };
+        let levels = levels(renderer.format, scene, volume);
+        let mut key = BrickKey { gradients: needs.gradients, light, levels };
         if let (Format::Paletted, Some(light)) = (renderer.format, &mut key.light) {
             let length = std::mem::take(&mut light.length);
             if self.palette.as_ref().is_none_or(|(made, _)| *made != Some(length)) {
@@ -220,18 +228,15 @@ impl TextureStore {
             order.reverse();
         }
         let ranges = FieldRanges::new(volume, self.compressed.as_deref(), edge);
-        let shows = |[x, y, z]: [[usize; 2]; 3]| {
-            (z[0]..=z[1])
-                .flat_map(|z| (y[0]..=y[1]).flat_map(move |y| (x[0]..=x[1]).map(move |x| [x, y, z])))
-                .any(|brick| ranges.shows(brick, &visible))
-        };
+        let segments = matches!(job.scene.pass.classifier, Classifier::Segments(_));
+        let shows = |bricks: [[usize; 2]; 3]| ranges.show(bricks, segments, &visible);
         let pool = self.bricks.as_mut().expect("made for the view");
         let source = BrickSource {
             format: renderer.format,
             scene: needs.scene,
             volume,
             compressed: self.compressed.as_deref(),
-            palette: self.palette.as_ref().map(|(_, palette)| &**palette),
+            palette: self.palette.as_ref().map(|(_, palette)| &palette[..]),
             key: pool.key,
         };
         Bricked { scene: &job.scene, source, lattice, order: &order, shows: &shows }.draw(pool, job.control)
@@ -241,9 +246,10 @@ impl TextureStore {
     fn draw_whole(&self, job: &Job<'_>, renderer: &TextureSlicer, needs: &Needs<'_>) -> Drawn {
         let volume = needs.volume;
         let dims = volume.dims();
-        let relief = |axes: [usize; 3]| {
-            let samples = volume.filled_floats().filter(|_| needs.shaded && volume.vacuum_cells().is_some());
-            samples.map(|samples| Relief::new(&Lattice { samples, dims }, axes))
+        let relief = |axes: [usize; 3]| match (needs.gradients, volume.filled_floats()) {
+            (Some(GradientMethod::Analytic), _) => Relief::Interpolant,
+            (_, Some(samples)) if needs.fills_in() => Relief::filled(&Lattice { samples, dims }, axes),
+            _ => Relief::Values,
         };
         if let Some(axis) = needs.slices.axis() {
             return with_grid!(self.stacks.of(volume, axis), g => {
@@ -251,13 +257,13 @@ impl TextureStore {
                 // A point is looked for between slices, too: where a ray enters and leaves, both have their share.
                 let texture = match job.scene.pass.operator {
                     Operator::First { .. } => Voxels::new(&lattice),
-                    _ => Voxels::stack(&lattice, renderer.per_layer()),
+                    _ => Voxels::stack(&lattice, renderer.per_layer(), volume.vacuum_cells().is_some()),
                 };
                 job.visit(texture.with_relief(relief(axes_of_stack(axis))))
             });
         }
         if let Some(compressed) = &self.compressed {
-            return job.visit(Blocks(compressed));
+            return job.visit(Blocks { compressed, method: needs.gradients.unwrap_or_default() });
         }
         if let Some((_, Classified { texels, palette, .. })) = &self.classified {
             return visit_light(texels, palette.as_deref(), dims, job);

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 
 use vr_core::parallel::locked;
-use vr_core::{GridVolume, Scene, TransferFunction};
+use vr_core::{GridVolume, OpacityRule, Real, Scene, TransferFunction};
 use vr_kernels::ranges::Visibility;
 use vr_kernels::tables::{BakedTransfer, PreIntegrated, table_range};
 use vr_kernels::vector::{OpticsTable, SegmentTable};
@@ -14,6 +14,8 @@ use crate::texture_slicer::{Format, TextureSlicer};
 pub(crate) struct Tables {
     range: (f32, f32),
     pub(crate) segments: Option<Arc<SegmentTable>>,
+    /// Segments of each row of a transfer function by gradient.
+    pub(crate) row_segments: Vec<PreIntegrated<f32>>,
     lengths: Option<LengthTables>,
 }
 
@@ -22,17 +24,23 @@ pub(crate) struct LengthTables {
     pub(crate) length: f64,
     pub(crate) baked: Arc<BakedTransfer<f32>>,
     pub(crate) optics: OpticsTable,
+    /// Optics of each row of a transfer function by gradient.
+    pub(crate) row_optics: Vec<OpticsTable>,
+    /// True if the tables of optics tell apart all that extinction does.
+    pub(crate) resolves_extinction: bool,
     /// Visibility of fragments of values, as they are classified.
     pub(crate) visibility: Visibility<f32>,
 }
 
 impl Tables {
     pub(crate) fn new(renderer: &TextureSlicer, scene: &Scene, volume: &GridVolume) -> Self {
-        let segments = (renderer.format == Format::PreIntegrated).then(|| last_segments(scene, volume));
+        let integrates = renderer.format == Format::PreIntegrated;
+        let segments = integrates.then(|| last_segments(scene, volume));
+        let row_segments = if integrates { segments_of_rows(scene, volume) } else { Vec::new() };
         let (low, high) = volume.value_stats().range.unwrap_or((0.0, 0.0));
         let field = (f64::from(low), f64::from(high));
         let range = table_range(field, volume.voxel_type().is_integer(), volume.calibration(), &scene.transfer);
-        Self { range, segments, lengths: None }
+        Self { range, segments, row_segments, lengths: None }
     }
 
     /// Makes the tables for slabs of a length, unless they are for it already; returns true if they had to be made.
@@ -42,11 +50,17 @@ impl Tables {
         }
         let integer = volume.voxel_type().is_integer();
         let baked = Arc::new(BakedTransfer::new(&scene.transfer, volume.calibration(), self.range, integer, length));
-        let optics = OpticsTable::new(&baked, &scene.transfer, volume.calibration(), length);
+        let optics = |transfer| OpticsTable::new(&baked, transfer, volume.calibration(), length);
+        let row_optics = scene.transfer.rows().iter().map(|row| optics(&row.transfer)).collect();
+        let optics = optics(&scene.transfer);
+        let spacing = (volume.calibration().slope / f64::from(baked.per_unit())).abs();
+        let rows = scene.transfer.rows().iter().map(|row| &row.transfer);
+        let mut functions = rows.chain([&*scene.transfer]);
+        let resolves_extinction = baked.resolves() && functions.all(|transfer| resolves_extinction(transfer, spacing));
         let table = Some(&baked).filter(|table| self.segments.is_none() && table.resolves());
         let segments = self.segments.as_deref().map(SegmentTable::pre_integrated);
         let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), table, segments);
-        self.lengths = Some(LengthTables { length, baked, optics, visibility });
+        self.lengths = Some(LengthTables { length, baked, optics, row_optics, resolves_extinction, visibility });
         true
     }
 
@@ -59,14 +73,34 @@ impl Tables {
     }
 }
 
+/// Largest optical depth over a unit distance by which extinction may be off between two entries of a table.
+const MAX_CURVATURE: f64 = 1e-4;
+
+/// True if extinction is as good as linear over values so far apart. Under the power rule it is −ln(1 − α), and bends where α comes near 1: from a line between two
+/// values, over which α grows by δ, it is off by ⅛·(δ / (1 − α))².
+fn resolves_extinction(transfer: &TransferFunction, spacing: f64) -> bool {
+    transfer.rule() == OpacityRule::Extinction
+        || transfer.segments().iter().all(|segment| {
+            let rise = (segment.end.opacity - segment.start.opacity).abs();
+            let per_entry = rise * (spacing / (segment.to - segment.from)).min(1.0);
+            let clear = 1.0 - segment.end.opacity.max(segment.start.opacity);
+            per_entry == 0.0 || 0.125 * (per_entry / clear).powi(2) <= MAX_CURVATURE
+        })
+}
+
 /// Intervals of a table of segments, the fewest that serve: of 1024 to 65536 the first number at which the knots of the transfer function fall onto the
 /// ends of intervals.
 const INTERVALS: [usize; 3] = [1024, 8192, 65536];
 
-/// The table of segments, in any precision.
-pub(crate) fn segments<R: vr_core::Real>(scene: &Scene, volume: &GridVolume) -> PreIntegrated<R> {
+/// The tables of segments of a transfer function's rows by gradient, in any precision; none where it has no rows.
+pub(crate) fn segments_of_rows<R: Real>(scene: &Scene, volume: &GridVolume) -> Vec<PreIntegrated<R>> {
+    scene.transfer.rows().iter().map(|row| segments(&row.transfer, volume)).collect()
+}
+
+/// The table of segments of a transfer function, in any precision.
+pub(crate) fn segments<R: Real>(transfer: &TransferFunction, volume: &GridVolume) -> PreIntegrated<R> {
     let range = volume.value_stats().range.unwrap_or((0.0, 0.0));
-    let table = |intervals| PreIntegrated::new(&scene.transfer, volume.calibration(), range, intervals);
+    let table = |intervals| PreIntegrated::new(transfer, volume.calibration(), range, intervals);
     let [fewest, more, most] = INTERVALS;
     let aligned = [fewest, more].into_iter().map(table).find(PreIntegrated::is_aligned);
     aligned.unwrap_or_else(|| table(most))
@@ -83,7 +117,7 @@ fn last_segments(scene: &Scene, volume: &GridVolume) -> Arc<SegmentTable> {
     match &*kept {
         Some((transfer, table)) if *transfer == scene.transfer => Arc::clone(table),
         _ => {
-            let table = Arc::new(SegmentTable::new(&Arc::new(segments(scene, volume))));
+            let table = Arc::new(SegmentTable::new(&Arc::new(segments(&scene.transfer, volume))));
             *kept = Some((Arc::clone(&scene.transfer), Arc::clone(&table)));
             table
         }
@@ -93,7 +127,17 @@ fn last_segments(scene: &Scene, volume: &GridVolume) -> Arc<SegmentTable> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vr_core::{Calibration, ControlPoint, OpacityRule, Placement, UniformGrid};
+    use vr_core::{Calibration, ControlPoint, Placement, UniformGrid};
+
+    #[test]
+    fn extinction_bends_where_it_is_nearly_opaque() {
+        let ramp = |rule, top| {
+            let points = [(0.0, 0.0), (1.0, top), (1.0, 1.0)].map(|(v, a)| ControlPoint::new(v, [1.0; 3], a));
+            resolves_extinction(&TransferFunction::new(points.to_vec(), rule, 1.0).unwrap(), 1e-3)
+        };
+        assert!(ramp(OpacityRule::Power, 0.9) && !ramp(OpacityRule::Power, 0.98));
+        assert!(!ramp(OpacityRule::Power, 1.0) && ramp(OpacityRule::Extinction, 1.0));
+    }
 
     #[test]
     fn a_volume_keeps_the_table_of_its_last_transfer_function() {

@@ -13,7 +13,7 @@ pub struct TextureSlicer {
     pub blend: Blend,
     /// Order in which fragments are drawn.
     pub order: DrawOrder,
-    /// True if blocks in which nothing can be visible are left out.
+    /// True if blocks are left out in which nothing can be visible, or picked: of a mean, vacuum alone.
     pub skip_empty_space: bool,
     /// Opacity in (0, 1] at which a pixel takes no more fragments, front to back; 1: never, as the textbooks have it. What is left out changes no
     /// pixel by more than 1 − termination where no colour is brighter than 1, and where one is, more is drawn accordingly.

@@ -9,10 +9,10 @@ use proptest::test_runner::{RngAlgorithm, RngSeed};
 use vr_core::*;
 use vr_physics::check::TestScene;
 use vr_physics::check::pictures::*;
-use vr_physics::check::strategies::{Kind, scene_of};
+use vr_physics::check::strategies::Kind;
 use vr_texslice::{Blend, Format, Proxy, TextureSlicer};
 
-use every_setting::{FORMATS, OPERATORS, layered};
+use every_setting::{FORMATS, OPERATORS, layered, looks_of_view, random_scene};
 
 const PROXIES: [Proxy; 2] = [Proxy::Planes, Proxy::Shells];
 /// Mebibytes for bricks: all of those with the smallest texels, and three or so of those with the largest.
@@ -62,8 +62,8 @@ fn every_texture_operator_blend_and_shading() {
                 for (compositing, blend) in
                     OPERATORS.iter().flat_map(|&c| [Blend::FrontToBack, Blend::BackToFront].map(|b| (c, b)))
                 {
-                    for shading in [None, Some(Arc::new(Shading::default()))] {
-                        let scene = Scene { compositing, shading, ..scene.clone() };
+                    for scene in looks_of_view(&scene, k) {
+                        let scene = Scene { compositing, ..scene };
                         // Slabs shorter than a voxel, and longer than a brick.
                         let slice_spacing = if k % 2 == 0 { 0.8 } else { 9.3 };
                         let renderer =
@@ -227,7 +227,7 @@ fn random_scenes_of_every_kind() {
         ..ProptestConfig::default()
     };
     let drawn = std::cell::Cell::new(0);
-    proptest!(config, |((renderer, edge) in renderer(), test in scene_of(&Kind::ALL))| {
+    proptest!(config, |((renderer, edge) in renderer(), test in random_scene(&Kind::ALL))| {
         let TestScene { scene, view } = &test;
         if let Some([whole, bricks]) = both(&renderer, edge, scene, view) {
             drawn.set(drawn.get() + 1);

@@ -99,7 +99,6 @@ fn first_points_in_stacks_and_compressed_textures() {
     for (scene, format, proxy, bound) in [
         (Scene { compositing, ..plain.clone() }, Format::Scalar, Proxy::Stacks, 1e-6),
         (Scene { compositing, shading: shading.clone(), ..plain.clone() }, Format::Scalar, Proxy::Stacks, 1e-6),
-        (Scene { compositing, ..plain.clone() }, Format::PreIntegrated, Proxy::Stacks, 1e-6),
         (Scene { compositing, ..plain.clone() }, Format::Compressed, Proxy::Planes, 5e-2),
         (Scene { compositing, shading, ..plain }, Format::Compressed, Proxy::Shells, 5e-2),
     ] {

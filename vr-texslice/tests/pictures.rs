@@ -107,6 +107,67 @@ fn what_is_skipped_cannot_be_seen() {
     }
 }
 
+/// A scene with missing voxels where a phantom is nowhere near a corner, and in a wall across it.
+fn with_vacuum(scene: &Scene) -> Scene {
+    let grid = scene.volume.grid().unwrap();
+    let [nx, ny, nz] = grid.dims();
+    let mut samples = grid.filled_floats().unwrap().to_vec();
+    for (i, sample) in samples.iter_mut().enumerate() {
+        let [x, y, z] = [i % nx, i / nx % ny, i / (nx * ny)];
+        if x + y < nx / 2 || (z == nz / 2 && x < 3 * nx / 4) {
+            *sample = f32::NAN;
+        }
+    }
+    let holed = UniformGrid::new([nx, ny, nz], samples, *grid.placement(), grid.calibration()).unwrap();
+    Scene { volume: holed.into(), ..scene.clone() }
+}
+
+#[test]
+fn what_is_skipped_changes_no_operator_beside_vacuum_or_not() {
+    let plain = phantom_scene::<f32>("blobs", 40, 1.0);
+    let operators = [
+        Compositing::Over,
+        Compositing::Maximum,
+        Compositing::Minimum,
+        Compositing::Average,
+        Compositing::First { threshold: 0.3 },
+    ];
+    for (holes, scene) in [(false, plain.clone()), (true, with_vacuum(&plain))] {
+        for compositing in operators {
+            let scene = Scene { compositing, ..scene.clone() };
+            let mut skipped = 0;
+            for (format, proxy) in [
+                (Format::Scalar, Proxy::Planes),
+                (Format::Scalar, Proxy::Stacks),
+                (Format::PreIntegrated, Proxy::Planes),
+                (Format::PreIntegrated, Proxy::Stacks),
+                (Format::Compressed, Proxy::Shells),
+                (Format::Rgba, Proxy::Planes),
+            ] {
+                for (k, slice_spacing) in [0.6, 1.0, 5.0].into_iter().enumerate() {
+                    for brick in [None, Some(13)] {
+                        let brute =
+                            TextureSlicer { format, proxy, slice_spacing, brick, ..TextureSlicer::brute_force() };
+                        if brute.supports(&scene, None).is_err() {
+                            continue;
+                        }
+                        let (azimuth, elevation, fov) = VIEWS[(k + usize::from(holes)) % VIEWS.len()];
+                        let view = view(&scene, azimuth, elevation, fov, 32);
+                        let skipping = TextureSlicer { skip_empty_space: true, ..brute.clone() };
+                        let [all, some] = [&brute, &skipping].map(|renderer| draw(renderer, &scene, &view));
+                        assert!(all.frame == some.frame, "{compositing:?} {skipping:?} {azimuth}");
+                        skipped += some.stats.counts.skipped;
+                    }
+                }
+            }
+            println!("{compositing:?}, holes {holes}: {skipped} skipped");
+            // A mean leaves out nothing but vacuum; and the smallest of these values is everywhere, give or take rounding.
+            let leaves_out = holes || !matches!(compositing, Compositing::Average | Compositing::Minimum);
+            assert_eq!(skipped > 0, leaves_out, "{compositing:?} {holes}: {skipped}");
+        }
+    }
+}
+
 #[test]
 fn pixels_that_are_opaque_take_no_more() {
     let mut scene = phantom_scene::<u8>("fog", 32, 1.0);

@@ -1,5 +1,9 @@
 //! Random scenes of every kind: errors fall with the step, models and updates hold.
 
+mod every_setting;
+
+use every_setting::by_slope;
+use proptest::prelude::*;
 use vr_core::{Compositing, Scene, View};
 use vr_physics::Reference;
 use vr_physics::check::invariants::update_is_prepare;
@@ -52,6 +56,9 @@ fn agrees_with_its_model_on(kinds: &[Kind]) {
         let effort = Effort { cases: 120, ..few(kinds) };
         let report = agrees_with_its_model(&renderer, scene_of(kinds), bound, &effort);
         println!("{}", report.unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
+        let rows = scene_of(kinds).prop_map(by_slope);
+        let report = agrees_with_its_model(&renderer, rows, bound, &Effort { cases: 40, ..effort });
+        println!("by slope: {}", report.unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
     }
 }
 

@@ -9,10 +9,10 @@ use proptest::test_runner::{RngAlgorithm, RngSeed};
 use vr_core::*;
 use vr_physics::check::TestScene;
 use vr_physics::check::pictures::*;
-use vr_physics::check::strategies::{Kind, scene_of};
+use vr_physics::check::strategies::Kind;
 use vr_texslice::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
 
-use every_setting::{FORMATS, OPERATORS, both, layered};
+use every_setting::{FORMATS, OPERATORS, both, layered, looks_of_view, random_scene};
 
 const PROXIES: [Proxy; 3] = [Proxy::Planes, Proxy::Shells, Proxy::Stacks];
 /// Returns the pictures in both orders, tiles first; `None` if both orders refuse.
@@ -35,13 +35,13 @@ fn views(scene: &Scene) -> Vec<View> {
 fn every_texture_operator_blend_and_proxy() {
     let scene = grey();
     let (mut drawn, mut fragments) = (0, 0);
-    for view in views(&scene) {
+    for (k, view) in views(&scene).into_iter().enumerate() {
         for (format, proxy) in FORMATS.iter().flat_map(|&f| PROXIES.map(|p| (f, p))) {
             for (compositing, blend) in
                 OPERATORS.iter().flat_map(|&c| [Blend::FrontToBack, Blend::BackToFront].map(|b| (c, b)))
             {
-                for shading in [None, Some(Arc::new(Shading::default()))] {
-                    let scene = Scene { compositing, shading, ..scene.clone() };
+                for scene in looks_of_view(&scene, k) {
+                    let scene = Scene { compositing, ..scene };
                     let renderer =
                         TextureSlicer { format, proxy, blend, slice_spacing: 0.8, ..TextureSlicer::brute_force() };
                     let Some([tiles, slices]) = in_both_orders(&renderer, &scene, &view) else { continue };
@@ -133,7 +133,7 @@ fn random_scenes_of_every_kind() {
         ..ProptestConfig::default()
     };
     let drawn = std::cell::Cell::new(0);
-    proptest!(config, |(renderer in renderer(), test in scene_of(&Kind::ALL))| {
+    proptest!(config, |(renderer in renderer(), test in random_scene(&Kind::ALL))| {
         let TestScene { scene, view } = &test;
         if let Some([tiles, slices]) = in_both_orders(&renderer, scene, view) {
             drawn.set(drawn.get() + 1);

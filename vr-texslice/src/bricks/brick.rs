@@ -1,11 +1,12 @@
 //! The texture of a brick: the part of a volume's texture in its cells.
 
 use vr_core::filter::Lattice;
-use vr_core::{AnyGrid, GridVolume, Scene, UniformGrid, with_grid};
+use vr_core::{AnyGrid, GradientMethod, GridVolume, Scene, UniformGrid, with_grid};
 
 use super::lattice::Cells;
-use crate::classified::{LightTexels, Palette, TextureKey};
+use crate::classified::{LightTexels, TextureKey};
 use crate::compression::Compressed;
+use crate::palette::Levels;
 use crate::region::Region;
 use crate::texture::{Decoded, Relief, TextureVisitor, Voxels, visit_light};
 use crate::texture_slicer::Format;
@@ -23,10 +24,12 @@ pub(crate) enum Brick {
 /// Key of what bricks hold: those made for another are of no use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BrickKey {
-    /// True if gradients are taken from them.
-    pub(crate) shaded: bool,
+    /// Gradients that are taken from them, if any are.
+    pub(crate) gradients: Option<GradientMethod>,
     /// Key of texels of light; of indices into a palette without the length, which changes the palette alone.
     pub(crate) light: Option<TextureKey>,
+    /// Levels of the gradient's magnitude that indices have beside them.
+    pub(crate) levels: Option<Levels>,
 }
 
 /// Source of bricks: the volume, and how a format has it.
@@ -35,14 +38,19 @@ pub(crate) struct BrickSource<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) volume: &'a GridVolume,
     pub(crate) compressed: Option<&'a Compressed>,
-    pub(crate) palette: Option<&'a Palette>,
+    pub(crate) palette: Option<&'a [[f32; 4]]>,
     pub(crate) key: BrickKey,
 }
 
 impl BrickSource<'_> {
-    /// Texels around a brick's own that it needs: central differences reach a voxel further.
+    /// True if central differences are taken from its bricks.
+    fn has_differences(&self) -> bool {
+        self.key.gradients == Some(GradientMethod::CentralDifferences)
+    }
+
+    /// Texels around a brick's own that it needs: central differences reach a voxel further, the interpolant's derivative no further than its cell.
     pub(crate) fn apron(&self) -> usize {
-        usize::from(self.key.shaded)
+        usize::from(self.has_differences())
     }
 
     /// The texels of a brick.
@@ -52,13 +60,13 @@ impl BrickSource<'_> {
 
     /// True if bricks hold a second set of values, for gradients beside missing voxels.
     fn is_filled(&self) -> bool {
-        self.key.shaded && self.volume.vacuum_cells().is_some()
+        self.has_differences() && self.volume.vacuum_cells().is_some()
     }
 
     /// Bytes of a brick.
     pub(crate) fn bytes(&self, region: &Region) -> u64 {
         let texel = match (self.key.light, self.compressed) {
-            (Some(key), _) => LightTexels::texel_bytes(self.format, key.seen.is_some()),
+            (Some(key), _) => LightTexels::texel_bytes(self.format, key.seen.is_some(), self.key.levels.is_some()),
             (None, Some(_)) => size_of::<f32>() as u64,
             (None, None) => self.volume.voxel_type().bytes() as u64,
         };
@@ -105,15 +113,20 @@ impl Brick {
         visitor: V,
     ) -> V::Output {
         let dims = region.dims;
+        let method = source.key.gradients.unwrap_or_default();
         match self {
             Self::Values { grid, filled } => with_grid!(grid, g => {
-                let relief = filled.as_ref().map(|samples| Relief::new(&Lattice { samples, dims }, [0, 1, 2]));
+                let relief = match (method, filled) {
+                    (GradientMethod::Analytic, _) => Relief::Interpolant,
+                    (_, Some(samples)) => Relief::filled(&Lattice { samples, dims }, [0, 1, 2]),
+                    (_, None) => Relief::Values,
+                };
                 visitor.visit(Voxels::new(&Lattice { samples: g.samples(), dims }).with_relief(relief))
             }),
             Self::Decoded { values, filled } => {
                 let filled = Lattice { samples: filled.as_ref().unwrap_or(values), dims };
                 let whole = source.volume.dims();
-                visitor.visit(Decoded::new(&Lattice { samples: values, dims }, filled, region.first, whole))
+                visitor.visit(Decoded::new(&Lattice { samples: values, dims }, (filled, method), region.first, whole))
             }
             Self::Light(texels) => visit_light(texels, source.palette, dims, visitor),
         }

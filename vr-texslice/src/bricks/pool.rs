@@ -103,7 +103,7 @@ mod tests {
     fn bricks_share_a_layer_and_the_least_recently_used_go() {
         let scene = scene();
         let volume = scene.volume.grid().unwrap();
-        let key = BrickKey { shaded: false, light: None };
+        let key = BrickKey { gradients: None, light: None, levels: None };
         let source =
             BrickSource { format: Format::Scalar, scene: &scene, volume, compressed: None, palette: None, key };
         let lattice = BrickLattice::new(volume.dims(), 4);
@@ -141,7 +141,7 @@ mod tests {
     fn a_budget_holds_at_every_moment() {
         let scene = scene();
         let volume = scene.volume.grid().unwrap();
-        let key = BrickKey { shaded: true, light: None };
+        let key = BrickKey { gradients: Some(GradientMethod::CentralDifferences), light: None, levels: None };
         let source =
             BrickSource { format: Format::Scalar, scene: &scene, volume, compressed: None, palette: None, key };
         let lattice = BrickLattice::new(volume.dims(), 2);

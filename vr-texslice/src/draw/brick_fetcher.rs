@@ -1,4 +1,4 @@
-//! Fetch and shading in a brick, of segments as well whose middle lies in another brick than their end.
+//! Fetch in a brick; and gradients in the middle of segments, which may lie in another brick than their end.
 
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -6,19 +6,18 @@ use vr_kernels::vector::{LANES, Lanes, pick, splat};
 
 use super::chunk::{Chunk, Fetch, Fetcher, SampleSet};
 use crate::fragments::Fragments;
-use crate::texture::{BrickPart, Lit, Texture};
+use crate::texture::{BrickPart, Texture};
 
-/// Reflection at the middles of the next segments of sixteen rays.
+/// Gradients in the middle of the next segments of sixteen rays.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reflected {
-    /// Factors on the three colours, and the lights that are added to an opaque segment.
-    light: [Lanes; 6],
+pub(super) struct Middles {
+    gradient: [Lanes; 3],
     /// 1 for rays whose middle has been met, else 0.
     met: Lanes,
 }
 
-impl Reflected {
-    pub(super) const NOTHING: Self = Self { light: [Lanes::ZERO; 6], met: Lanes::ZERO };
+impl Middles {
+    pub(super) const UNKNOWN: Self = Self { gradient: [Lanes::ZERO; 3], met: Lanes::ZERO };
 
     /// Forgets the segments of rays that have gone on from one sample to another.
     pub(super) fn forget(&mut self, from: &Lanes, to: &Lanes) {
@@ -32,8 +31,8 @@ impl Reflected {
 pub(super) struct BrickFetcher<'a, 'x, X: Texture> {
     pub(super) fetcher: &'a mut Fetcher<'x, X>,
     pub(super) part: &'a BrickPart,
-    /// Reflection at the middle of the segment that ends at a ray's first sample here, if that lay in an earlier brick.
-    pub(super) middles: &'a mut Reflected,
+    /// Gradient in the middle of the segment that ends at a ray's first sample here, if that lay in an earlier brick.
+    pub(super) middles: &'a mut Middles,
 }
 
 impl<S: Simd, X: Texture> Fetch<S> for BrickFetcher<'_, '_, X> {
@@ -41,17 +40,12 @@ impl<S: Simd, X: Texture> Fetch<S> for BrickFetcher<'_, '_, X> {
         self.fetcher.fetch(simd, rays, which, chunk);
     }
 
-    fn shade(
-        &mut self,
-        simd: S,
-        rays: &Fragments,
-        which: SampleSet<'_>,
-        segments: bool,
-        lit: &Lit<'_>,
-        chunk: &mut Chunk,
-    ) {
-        let unlit = chunk.light;
-        self.fetcher.shade(simd, rays, which, segments, lit, chunk);
+    fn fetch_across(&mut self, simd: S, samples: &[(&Fragments, &Lanes)], chunk: &mut Chunk) {
+        self.fetcher.fetch_across(simd, samples, chunk);
+    }
+
+    fn gradients(&mut self, simd: S, rays: &Fragments, which: SampleSet<'_>, segments: bool, chunk: &mut Chunk) {
+        self.fetcher.gradients(simd, rays, which, segments, chunk);
         if !segments {
             return;
         }
@@ -65,11 +59,8 @@ impl<S: Simd, X: Texture> Fetch<S> for BrickFetcher<'_, '_, X> {
                         continue;
                     }
                     // A chunk's other segments begin in this brick, and end in it.
-                    let alpha = unlit[j][3].load(simd);
-                    for c in 0..3 {
-                        let [factor, added] = [c, 3 + c].map(|k| self.middles.light[k]);
-                        let lit = unlit[j][c].load(simd) * factor.load(simd) + added.load(simd) * alpha;
-                        chunk.light[j][c] = Lanes::new(pick(elsewhere, lit, chunk.light[j][c].load(simd)));
+                    for (found, kept) in chunk.gradient[j].iter_mut().zip(&self.middles.gradient) {
+                        *found = Lanes::new(pick(elsewhere, kept.load(simd), found.load(simd)));
                     }
                 }
             },
@@ -78,10 +69,10 @@ impl<S: Simd, X: Texture> Fetch<S> for BrickFetcher<'_, '_, X> {
 }
 
 impl<X: Texture> BrickFetcher<'_, '_, X> {
-    /// Notes what the middles of the rays' next segments reflect, where these lie in the brick: their ends lie in later ones. `next`: the samples at which they
+    /// Notes the gradients in the middle of the rays' next segments, where these lie in the brick: their ends lie in later ones. `next`: the samples at which they
     /// end, a ray's first one standing for the one behind it.
     #[inline(never)]
-    pub(super) fn meet_middles<S: Simd>(&mut self, simd: S, rays: &Fragments, next: &Lanes, lit: &Lit<'_>) {
+    pub(super) fn meet_middles<S: Simd>(&mut self, simd: S, rays: &Fragments, next: &Lanes) {
         simd.vectorize(
             #[inline(always)]
             || {
@@ -100,19 +91,14 @@ impl<X: Texture> BrickFetcher<'_, '_, X> {
                 if here.all_false() {
                     return;
                 }
-                // Reflected light is linear in a segment's colour and in its opacity: two of them tell all.
-                let (clear, opaque) = (Lanes::ZERO, Lanes([1.0; LANES]));
-                let (mut white, mut black) = ([opaque, opaque, opaque, clear], [clear, clear, clear, opaque]);
                 let texture = self.fetcher.texture;
                 let at = texture.place_between(simd, middle);
-                texture.shade(simd, &at, lit, &mut white, &mut self.fetcher.stages[0]);
-                texture.shade(simd, &at, lit, &mut black, &mut self.fetcher.stages[0]);
-                let Reflected { light, met } = &mut *self.middles;
-                for c in 0..3 {
-                    light[c] = Lanes::new(pick(here, white[c].load(simd), light[c].load(simd)));
-                    light[3 + c] = Lanes::new(pick(here, black[c].load(simd), light[3 + c].load(simd)));
+                let wanted = here.to_bitmask() as u32;
+                let found = texture.gradient(simd, &at, wanted, &mut self.fetcher.stages[0]);
+                for (kept, found) in self.middles.gradient.iter_mut().zip(found) {
+                    *kept = Lanes::new(pick(here, found.load(simd), kept.load(simd)));
                 }
-                *met = Lanes::new(pick(here, splat(simd, 1.0), met.load(simd)));
+                self.middles.met = Lanes::new(pick(here, splat(simd, 1.0), self.middles.met.load(simd)));
             },
         );
     }

@@ -9,17 +9,16 @@ use vr_core::parallel::locked;
 use vr_core::{Control, Counts, RenderError};
 use vr_kernels::vector::{LANES, Lanes, Vectorized, pick, run, splat};
 
-use super::brick_fetcher::{BrickFetcher, Reflected};
+use super::brick_fetcher::{BrickFetcher, Middles};
 use super::chunk::{Chunk, Fetcher};
 use super::classify::Classifier;
 use super::picture::Picture;
-use super::step::Step;
 use super::tiles::{Packet, PacketScene, Pixel, sixteens};
 use super::waiting::Waiting;
 use crate::bricks::{BrickLattice, BrickSource, Pool};
 use crate::fragments::Fragments;
 use crate::projection::ScreenProjection;
-use crate::texture::{BrickPart, InBrick, Lit, Texture, TextureVisitor};
+use crate::texture::{BrickPart, InBrick, Texture, TextureVisitor};
 
 /// A picture drawn brick by brick.
 pub(crate) struct Bricked<'a> {
@@ -114,7 +113,7 @@ impl Vectorized for SetUp<'_> {
     fn run<S: Simd>(self, simd: S) -> BrickRays {
         let waiting = Waiting::new(simd, self.scene, self.at, self.sample);
         let next = Lanes(waiting.rays.begin.0.map(|begin| begin - 1.0));
-        BrickRays { waiting, next, middles: Reflected::NOTHING }
+        BrickRays { waiting, next, middles: Middles::UNKNOWN }
     }
 }
 
@@ -190,8 +189,8 @@ struct BrickRays {
     waiting: Waiting,
     /// The next sample of each ray: the first is numbered one less than the whole ones, the last one more.
     next: Lanes,
-    /// Reflection at the middle of each ray's next segment, as far as it has been met.
-    middles: Reflected,
+    /// Gradient in the middle of each ray's next segment, as far as it has been met.
+    middles: Middles,
 }
 
 impl BrickRays {
@@ -207,19 +206,17 @@ impl BrickRays {
         let here = samples_here(simd, &self.waiting.rays, &self.next, part);
         let mut texture = BrickFetcher { fetcher, part, middles: &mut self.middles };
         if here.any() {
-            let only = |first, last| Step { first, whole: 0, last, number: Lanes::ZERO };
             self.waiting.march(scene, &mut texture, chunk, |march| {
-                march.step(simd, &only(here.first, 0));
+                march.enter(simd, here.first);
                 let (from, to) = here.whole();
                 march.stretch(simd, from, &to);
-                march.step(simd, &only(0, here.last));
+                march.leave(simd, here.last);
             });
             texture.middles.forget(&self.next, &here.next);
             self.next = here.next;
         }
-        if let (Classifier::Segments(_), Some(shading)) = (scene.pass.classifier, scene.shading) {
-            let lit = Lit { shading, lights: &self.waiting.lights };
-            texture.meet_middles(simd, &self.waiting.rays, &self.next, &lit);
+        if matches!(scene.pass.classifier, Classifier::Segments(_)) && scene.looks_at_gradients() {
+            texture.meet_middles(simd, &self.waiting.rays, &self.next);
         }
     }
 

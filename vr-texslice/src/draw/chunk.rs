@@ -5,22 +5,39 @@ use fearless_simd::{Simd, f32x16};
 use vr_kernels::vector::{Cells, LANES, Lanes, pick, splat};
 
 use crate::fragments::Fragments;
-use crate::texture::{Lit, Texture};
+use crate::texture::Texture;
 
 /// Samples of a ray that pass through the stages together: stages are functions of their own, each compiled once for a texture or an operator, not
 /// for each pair of them, and a chunk is what a call is for.
 pub(crate) const CHUNK: usize = 8;
 
 /// Values, or light and opacity, of up to [`CHUNK`] samples.
+#[derive(Clone, Copy)]
 pub(crate) struct Chunk {
     /// Number of samples.
     pub(crate) len: usize,
     pub(crate) value: [Lanes; CHUNK],
     pub(crate) light: [[Lanes; 4]; CHUNK],
+    /// Gradients per step of texture coordinates, where light asked for them.
+    pub(crate) gradient: [[Lanes; 3]; CHUNK],
 }
 
 impl Chunk {
-    pub(crate) const EMPTY: Self = Self { len: 0, value: [Lanes::ZERO; CHUNK], light: [[Lanes::ZERO; 4]; CHUNK] };
+    pub(crate) const EMPTY: Self = Self {
+        len: 0,
+        value: [Lanes::ZERO; CHUNK],
+        light: [[Lanes::ZERO; 4]; CHUNK],
+        gradient: [[Lanes::ZERO; 3]; CHUNK],
+    };
+
+    /// Mask of the rays on which a sample has any light or opacity; vacuum has none.
+    #[inline(always)]
+    pub(super) fn lit<S: Simd>(&self, simd: S, sample: usize) -> u32 {
+        let zero = f32x16::splat(simd, 0.0);
+        let [r, g, b, a] = &self.light[sample];
+        let largest = r.load(simd).max(g.load(simd)).max(b.load(simd)).max(a.load(simd));
+        largest.simd_gt(zero).to_bitmask() as u32
+    }
 }
 
 /// Set of samples of rays.
@@ -84,16 +101,11 @@ pub(crate) trait Fetch<S: Simd> {
     /// Fetches samples of rays into a chunk: its `len` first ones.
     fn fetch(&mut self, simd: S, rays: &Fragments, which: SampleSet<'_>, chunk: &mut Chunk);
 
-    /// Shades the light of a chunk's samples, where there is any; `segments`: that of the segments which end at them.
-    fn shade(
-        &mut self,
-        simd: S,
-        rays: &Fragments,
-        which: SampleSet<'_>,
-        segments: bool,
-        lit: &Lit<'_>,
-        chunk: &mut Chunk,
-    );
+    /// Fetches a sample of the rays of several sixteens each, the j-th into place j of a chunk.
+    fn fetch_across(&mut self, simd: S, samples: &[(&Fragments, &Lanes)], chunk: &mut Chunk);
+
+    /// Finds gradients at a chunk's samples that have light, zero at others; `segments`: in the middle of the segments which end at them.
+    fn gradients(&mut self, simd: S, rays: &Fragments, which: SampleSet<'_>, segments: bool, chunk: &mut Chunk);
 }
 
 /// A texture, and where what is fetched from it waits.
@@ -123,42 +135,65 @@ impl<S: Simd, X: Texture> Fetch<S> for Fetcher<'_, X> {
                     if j + 1 < chunk.len {
                         self.texture.fetch(simd, &ahead, next);
                     }
-                    let [r, g, b, a] = self.texture.read(simd, &at, now);
-                    if X::LIGHT {
-                        chunk.light[j] = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)];
-                    } else {
-                        chunk.value[j] = Lanes::new(r);
-                    }
+                    put::<S, X>(self.texture.read(simd, &at, now), j, chunk);
                     (at, now, next) = (ahead, next, now);
                 }
             },
         );
     }
 
-    fn shade(
-        &mut self,
-        simd: S,
-        rays: &Fragments,
-        which: SampleSet<'_>,
-        segments: bool,
-        lit: &Lit<'_>,
-        chunk: &mut Chunk,
-    ) {
+    fn fetch_across(&mut self, simd: S, samples: &[(&Fragments, &Lanes)], chunk: &mut Chunk) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let Some(last) = samples.len().checked_sub(1) else { return };
+                let [stage, next_stage] = &mut self.stages;
+                let (mut now, mut next) = (stage, next_stage);
+                let mut at = SampleSet::From(samples[0].1).place(simd, self.texture, samples[0].0, 0);
+                self.texture.fetch(simd, &at, now);
+                for j in 0..=last {
+                    // As along a ray: those of the next sixteen are fetched meanwhile.
+                    let (rays, number) = samples[(j + 1).min(last)];
+                    let ahead = SampleSet::From(number).place(simd, self.texture, rays, 0);
+                    if j < last {
+                        self.texture.fetch(simd, &ahead, next);
+                    }
+                    put::<S, X>(self.texture.read(simd, &at, now), j, chunk);
+                    (at, now, next) = (ahead, next, now);
+                }
+            },
+        );
+    }
+
+    fn gradients(&mut self, simd: S, rays: &Fragments, which: SampleSet<'_>, segments: bool, chunk: &mut Chunk) {
         simd.vectorize(
             #[inline(always)]
             || {
                 for j in 0..chunk.len {
-                    if chunk.light[j][3].load(simd).simd_gt(f32x16::splat(simd, 0.0)).any_true() {
-                        let at = if segments {
-                            self.texture.place_between(simd, which.middle(simd, rays, j))
-                        } else {
-                            which.place(simd, self.texture, rays, j)
-                        };
-                        self.texture.shade(simd, &at, lit, &mut chunk.light[j], &mut self.stages[0]);
+                    let wanted = chunk.lit(simd, j);
+                    if wanted == 0 {
+                        chunk.gradient[j] = [Lanes::ZERO; 3];
+                        continue;
                     }
+                    let at = if segments {
+                        self.texture.place_between(simd, which.middle(simd, rays, j))
+                    } else {
+                        which.place(simd, self.texture, rays, j)
+                    };
+                    chunk.gradient[j] = self.texture.gradient(simd, &at, wanted, &mut self.stages[0]);
                 }
             },
         );
+    }
+}
+
+/// Puts what was read from a texture into a place of a chunk.
+#[inline(always)]
+fn put<S: Simd, X: Texture>([r, g, b, a]: [f32x16<S>; 4], j: usize, chunk: &mut Chunk) {
+    if X::LIGHT {
+        chunk.light[j] = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)];
+    } else {
+        chunk.value[j] = Lanes::new(r);
     }
 }
 
@@ -168,9 +203,16 @@ pub(crate) struct Reach {
     pub(crate) samples: u64,
 }
 
-/// The reach of the `len` samples of live rays from numbers on, in a texture of so many texels along each axis.
+/// The reach of the `len` samples of live rays from numbers on, in a texture of so many texels along each axis; along the last one, places may be so far from where
+/// samples are.
 #[inline(never)]
-pub(crate) fn reach<S: Simd>(simd: S, rays: &Fragments, number: &Lanes, len: usize, dims: [usize; 3]) -> Reach {
+pub(crate) fn reach<S: Simd>(
+    simd: S,
+    rays: &Fragments,
+    number: &Lanes,
+    len: usize,
+    (dims, snap): ([usize; 3], f32),
+) -> Reach {
     simd.vectorize(
         #[inline(always)]
         || {
@@ -189,6 +231,9 @@ pub(crate) fn reach<S: Simd>(simd: S, rays: &Fragments, number: &Lanes, len: usi
                 for i in 0..LANES {
                     min = min.min(low[i]);
                     max = max.max(high[i]);
+                }
+                if a == 2 {
+                    (min, max) = (min - snap, max + snap);
                 }
                 // Into the box, as texels are. `as` saturates.
                 cells[a] = [(min as usize).min(dims[a] - 2), (max as usize).min(dims[a] - 2)];

@@ -1,20 +1,22 @@
 //! Sixteen rays through all of their slices.
 
 use fearless_simd::Simd;
-use vr_kernels::vector::{LANES, Lanes, Operator};
+use vr_kernels::vector::{LANES, Lanes, Operator, Shade};
 
 use super::blend::{Blending, blend};
 use super::chunk::{CHUNK, Chunk, Fetch, SampleSet, reach};
 use super::classify::{Classifier, classify, integrate};
 use super::state::State;
+use super::steepness::Steepness;
 use crate::fragments::Fragments;
 use crate::occupancy::Occupancy;
-use crate::texture::Lit;
 
 /// Inputs that all fragments of a picture share.
 #[derive(Clone, Copy)]
 pub(crate) struct Pass<'a> {
     pub(crate) classifier: Classifier<'a>,
+    /// `None`: opacity follows no gradient, or did so when texels were classified.
+    pub(crate) steepness: Option<Steepness<'a>>,
     pub(crate) operator: Operator,
     /// Texels along each axis.
     pub(crate) dims: [usize; 3],
@@ -24,7 +26,43 @@ pub(crate) struct Pass<'a> {
     pub(crate) length: f32,
     pub(crate) negligible: f32,
     /// `None`: every fragment is drawn.
-    pub(crate) occupancy: Option<&'a Occupancy>,
+    pub(crate) occupancy: Option<&'a Occupancy<'a>>,
+    /// Largest distance of a sample of a stack's slice from its place, in layers; 0 where there are no stacks.
+    pub(crate) snap: f32,
+}
+
+impl Pass<'_> {
+    /// Number of the next samples of rays, if nothing can be visible in the blocks that they touch.
+    pub(super) fn invisible<S: Simd>(
+        &self,
+        simd: S,
+        rays: &Fragments,
+        state: &State,
+        number: &Lanes,
+        len: usize,
+    ) -> Option<u64> {
+        let occupancy = self.occupancy?;
+        let touched = if self.on_faces {
+            // A segment begins at the sample before.
+            let before = Lanes(number.0.map(|n| n - 1.0));
+            reach(simd, rays, &before, len + 1, (self.dims, self.snap))
+        } else {
+            reach(simd, rays, number, len, (self.dims, self.snap))
+        };
+        // An extreme is looked for above those that all live rays have.
+        let floor = match self.operator {
+            Operator::Extreme { .. } => {
+                let live = (0..LANES).filter(|&i| number.0[i] < rays.end.0[i]);
+                live.map(|i| state.value.0[i]).fold(f32::INFINITY, f32::min)
+            }
+            _ => 0.0,
+        };
+        if !occupancy.is_empty(touched.cells, floor) {
+            return None;
+        }
+        let left = |i: usize| (rays.end.0[i] - number.0[i]).clamp(0.0, len as f32) as u64;
+        Some(if self.on_faces { (0..LANES).map(left).sum() } else { touched.samples })
+    }
 }
 
 /// Largest number of samples of a ray that are looked at together.
@@ -42,7 +80,7 @@ pub(crate) struct March<'a, S> {
     pub(crate) texture: &'a mut dyn Fetch<S>,
     pub(crate) pass: &'a Pass<'a>,
     /// `None`: nothing is shaded.
-    pub(crate) lit: Option<Lit<'a>>,
+    pub(crate) lit: Option<Shade<'a>>,
     /// Largest light, or opacity, that can come from behind, by what is left clear.
     pub(crate) max_behind: &'a Lanes,
     pub(crate) chunk: &'a mut Chunk,
@@ -106,7 +144,7 @@ impl<S: Simd> March<'_, S> {
                 break;
             }
             let len = (max as usize).min(stride);
-            if let Some(samples) = self.invisible(simd, &number, len) {
+            if let Some(samples) = self.pass.invisible(simd, self.rays, self.state, &number, len) {
                 self.done.skipped += samples;
                 stride = (2 * stride).min(FARTHEST);
                 if matches!(self.pass.classifier, Classifier::Segments(_)) {
@@ -153,38 +191,30 @@ impl<S: Simd> March<'_, S> {
     /// Classifies, shades and blends what was fetched.
     pub(super) fn draw(&mut self, simd: S, which: SampleSet<'_>, ratio: &Lanes) {
         let pass = self.pass;
-        let chunk = &mut *self.chunk;
         match pass.classifier {
             Classifier::Segments(table) => {
-                let (rays, world) = (&*self.rays, pass.length);
-                let length = |j: usize, i: usize| match which {
-                    SampleSet::From(number) if number.0[i] + j as f32 <= rays.begin.0[i] => {
-                        rays.outer_ratio[0].0[i] * world
-                    }
-                    _ => ratio.0[i] * world,
-                };
-                let lengths = std::array::from_fn(|j| Lanes(std::array::from_fn(|i| length(j, i))));
+                let lengths = self.segment_lengths(which, ratio);
                 let backwards = pass.operator == Operator::Over;
-                integrate(simd, table, &self.before, &lengths, backwards, chunk);
-                if let Some(lit) = &self.lit {
-                    self.texture.shade(simd, rays, which, true, lit, chunk);
+                integrate(simd, table, &self.before, &lengths, backwards, self.chunk);
+                self.find_gradients(simd, which, true);
+                if let Some(steepness) = &pass.steepness {
+                    steepness.integrate(simd, &self.before, &lengths, backwards, self.chunk);
                 }
-                match which {
-                    SampleSet::Outer(_) => {}
-                    SampleSet::From(number) => {
-                        let number = *number;
-                        let last = chunk.len - 1;
-                        self.keep(&number, last);
-                    }
+                if let SampleSet::From(number) = which {
+                    let (number, last) = (*number, self.chunk.len - 1);
+                    self.keep(&number, last);
                 }
             }
             _ => {
-                let outer = matches!(which, SampleSet::Outer(_));
-                classify(simd, &pass.classifier, ratio, outer, chunk);
-                if let Some(lit) = &self.lit {
-                    self.texture.shade(simd, self.rays, which, false, lit, chunk);
+                classify(simd, &pass.classifier, ratio, matches!(which, SampleSet::Outer(_)), self.chunk);
+                self.find_gradients(simd, which, false);
+                if let Some(steepness) = &pass.steepness {
+                    steepness.classify(simd, ratio, self.chunk);
                 }
             }
+        }
+        if let Some(lit) = &self.lit {
+            shade(simd, lit, self.chunk);
         }
         let how = Blending {
             operator: pass.operator,
@@ -196,6 +226,23 @@ impl<S: Simd> March<'_, S> {
         self.done.drawn += u64::from(drawn);
     }
 
+    /// World lengths of the segments that end at samples; `ratio`: of whole ones in table lengths.
+    fn segment_lengths(&self, which: SampleSet<'_>, ratio: &Lanes) -> [Lanes; CHUNK] {
+        let (rays, world) = (&*self.rays, self.pass.length);
+        let length = |j: usize, i: usize| match which {
+            SampleSet::From(number) if number.0[i] + j as f32 <= rays.begin.0[i] => rays.outer_ratio[0].0[i] * world,
+            _ => ratio.0[i] * world,
+        };
+        std::array::from_fn(|j| Lanes(std::array::from_fn(|i| length(j, i))))
+    }
+
+    /// Finds the gradients of a chunk's samples, or in the middle of its segments, if opacity or shading looks at them.
+    fn find_gradients(&mut self, simd: S, which: SampleSet<'_>, segments: bool) {
+        if self.lit.is_some() || self.pass.steepness.is_some() {
+            self.texture.gradients(simd, self.rays, which, segments, self.chunk);
+        }
+    }
+
     /// Remembers the values at the last faces that rays have in a chunk of which sample 0 has the numbers given.
     fn keep(&mut self, number: &Lanes, last: usize) {
         for i in 0..LANES {
@@ -205,21 +252,14 @@ impl<S: Simd> March<'_, S> {
             }
         }
     }
+}
 
-    /// Number of the next samples, if nothing can be visible in the blocks that they touch.
-    pub(super) fn invisible(&self, simd: S, number: &Lanes, len: usize) -> Option<u64> {
-        let occupancy = self.pass.occupancy?;
-        let touched = if self.pass.on_faces {
-            // A segment begins at the sample before.
-            let before = Lanes(number.0.map(|n| n - 1.0));
-            reach(simd, self.rays, &before, len + 1, self.pass.dims)
-        } else {
-            reach(simd, self.rays, number, len, self.pass.dims)
-        };
-        if !occupancy.is_empty(touched.cells) {
-            return None;
+/// Shades a chunk's samples by their gradients.
+#[inline(never)]
+fn shade<S: Simd>(simd: S, lit: &Shade<'_>, chunk: &mut Chunk) {
+    for j in 0..chunk.len {
+        if chunk.light[j][3].0.iter().any(|&alpha| alpha > 0.0) {
+            lit.apply_to_gradients(simd, &chunk.gradient[j], &mut chunk.light[j]);
         }
-        let left = |i: usize| (self.rays.end.0[i] - number.0[i]).clamp(0.0, len as f32) as u64;
-        Some(if self.pass.on_faces { (0..LANES).map(left).sum() } else { touched.samples })
     }
 }

@@ -1,7 +1,7 @@
 //! Sixteen rays through one slab: the fragments that a slice across the picture has on them.
 
 use fearless_simd::Simd;
-use vr_kernels::vector::{LANES, Lanes};
+use vr_kernels::vector::Lanes;
 
 use super::chunk::SampleSet;
 use super::classify::Classifier;
@@ -13,24 +13,50 @@ pub(crate) struct Step {
     pub(crate) first: u32,
     pub(crate) whole: u32,
     pub(crate) last: u32,
-    /// Numbers of the whole ones.
+    /// Numbers of the whole ones; of other rays at least two behind their last sample, where no segment begins: they neither take this one nor end.
     pub(crate) number: Lanes,
 }
 
+impl Step {
+    pub(crate) const NOTHING: Self = Self { first: 0, whole: 0, last: 0, number: Lanes::ZERO };
+
+    pub(crate) fn is_nothing(&self) -> bool {
+        self.first | self.whole | self.last == 0
+    }
+}
+
 impl<S: Simd> March<'_, S> {
-    /// One slab, by the stages of all of them. What a ray takes, and in which order, is the same as slab after slab along it.
-    pub(crate) fn step(&mut self, simd: S, step: &Step) {
-        self.only(step.first, |march| {
+    /// The first samples of some rays.
+    pub(crate) fn enter(&mut self, simd: S, rays: u32) {
+        self.only(rays, |march| {
             // The first samples of the other rays come later.
             let (has, before) = (march.rays.has[0], march.before);
-            march.rays.has[0] = chosen(step.first, &has, &Lanes::ZERO);
+            march.rays.has[0] = chosen(rays, &has, &Lanes::ZERO);
             march.outer(simd, 0);
             march.rays.has[0] = has;
-            march.before = chosen(step.first, &march.before, &before);
+            march.before = chosen(rays, &march.before, &before);
         });
-        self.only(step.whole, |march| march.one(simd, step));
-        self.only(step.last, |march| {
-            march.rays.has[1] = chosen(step.last, &march.rays.has[1], &Lanes::ZERO);
+    }
+
+    /// One whole sample of the rays that have one at these numbers, which has been fetched into the chunk.
+    pub(crate) fn go_on(&mut self, simd: S, number: &Lanes) {
+        self.chunk.len = 1;
+        let ratio = self.rays.ratio;
+        self.draw(simd, SampleSet::From(number), &ratio);
+    }
+
+    /// Leaves out one whole sample of the rays that have one at these numbers: so many in all.
+    pub(crate) fn pass_by(&mut self, simd: S, number: &Lanes, samples: u64) {
+        self.done.skipped += samples;
+        if matches!(self.pass.classifier, Classifier::Segments(_)) {
+            self.look_at_last(simd, number, 1);
+        }
+    }
+
+    /// The last samples of some rays.
+    pub(crate) fn leave(&mut self, simd: S, rays: u32) {
+        self.only(rays, |march| {
+            march.rays.has[1] = chosen(rays, &march.rays.has[1], &Lanes::ZERO);
             march.outer(simd, 1);
         });
     }
@@ -44,28 +70,6 @@ impl<S: Simd> March<'_, S> {
         draw(self);
         self.rays.end = chosen(lanes, &self.rays.end, &end);
         self.rays.has[1] = chosen(lanes, &self.rays.has[1], &last);
-    }
-
-    /// One whole sample of some rays.
-    fn one(&mut self, simd: S, step: &Step) {
-        // There is no sample two behind the last one, and no segment begins there.
-        let beyond = Lanes(self.rays.end.0.map(|end| if end == f32::NEG_INFINITY { 0.0 } else { end + 1.0 }));
-        let number = chosen(step.whole, &step.number, &beyond);
-        if (0..LANES).all(|i| number.0[i] >= self.rays.end.0[i]) {
-            return;
-        }
-        if let Some(samples) = self.invisible(simd, &number, 1) {
-            self.done.skipped += samples;
-            if matches!(self.pass.classifier, Classifier::Segments(_)) {
-                self.look_at_last(simd, &number, 1);
-            }
-            return;
-        }
-        self.chunk.len = 1;
-        let which = SampleSet::From(&number);
-        self.texture.fetch(simd, self.rays, which, self.chunk);
-        let ratio = self.rays.ratio;
-        self.draw(simd, which, &ratio);
     }
 }
 

@@ -4,13 +4,13 @@ use fearless_simd::{Level, Simd};
 use glam::DVec2;
 use vr_core::image_order::in_parallel;
 use vr_core::{Control, Counts, Layer, MaxRadiance, RenderError, View};
-use vr_kernels::vector::{LANES, Lanes, PacketLights, PacketShading, Vectorized, run};
+use vr_kernels::vector::{LANES, Lanes, PacketLights, PacketShading, Shade, Vectorized, run};
 
 use super::chunk::{Chunk, Fetch, Fetcher};
 use super::march::{March, PacketResult, Pass};
 use super::state::State;
 use crate::fragments::{Fragments, Setup};
-use crate::texture::{Lit, Texture};
+use crate::texture::Texture;
 
 /// Inputs of all pixels.
 #[derive(Clone, Copy)]
@@ -23,6 +23,13 @@ pub(crate) struct PacketScene<'a> {
     pub(crate) max_radiance: MaxRadiance,
     pub(crate) finish: &'a (dyn Fn(&Fragments, &State, usize) -> Pixel + Sync),
     pub(crate) level: Level,
+}
+
+impl PacketScene<'_> {
+    /// True if fragments look at gradients, for their opacity or for the light that they reflect.
+    pub(super) fn looks_at_gradients(&self) -> bool {
+        self.shading.is_some() || self.pass.steepness.is_some()
+    }
 }
 
 /// A pixel: premultiplied, and the world distance to what is seen.
@@ -232,7 +239,7 @@ impl Block {
         let mut march = March {
             texture,
             pass: &scene.pass,
-            lit: scene.shading.map(|shading| Lit { shading, lights: &self.lights }),
+            lit: scene.shading.map(|shading| Shade { shading, lights: &self.lights }),
             max_behind: &max_behind,
             chunk: &mut self.chunk,
             rays: &mut self.rays,

@@ -1,7 +1,7 @@
 //! Sixteen rays that wait for their next slab, or their next brick.
 
 use fearless_simd::Simd;
-use vr_kernels::vector::{LANES, Lanes, Operator, PacketLights};
+use vr_kernels::vector::{LANES, Lanes, Operator, PacketLights, Shade};
 
 use super::chunk::{Chunk, Fetch};
 use super::march::{March, PacketResult};
@@ -9,7 +9,6 @@ use super::picture::Picture;
 use super::state::State;
 use super::tiles::{Packet, PacketScene};
 use crate::fragments::Fragments;
-use crate::texture::Lit;
 
 /// Sixteen rays, and what they have gathered so far.
 pub(super) struct Waiting {
@@ -47,6 +46,11 @@ impl Waiting {
         }
     }
 
+    /// Number of the samples at these numbers, if nothing can be visible of them.
+    pub(super) fn invisible<S: Simd>(&self, simd: S, scene: &PacketScene<'_>, number: &Lanes) -> Option<u64> {
+        scene.pass.invisible(simd, &self.rays, &self.state, number, 1)
+    }
+
     /// Takes up the march where it was left.
     pub(super) fn march<S: Simd>(
         &mut self,
@@ -58,7 +62,7 @@ impl Waiting {
         let mut march = March {
             texture,
             pass: &scene.pass,
-            lit: scene.shading.map(|shading| Lit { shading, lights: &self.lights }),
+            lit: scene.shading.map(|shading| Shade { shading, lights: &self.lights }),
             max_behind: &self.max_behind,
             chunk,
             rays: &mut self.rays,

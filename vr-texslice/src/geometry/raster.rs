@@ -68,12 +68,18 @@ pub fn triangle_spans(corners: [[i64; 2]; 3], size: [u32; 2]) -> impl Iterator<I
     })
 }
 
-/// The rows of a convex polygon of the image (x and y of its corners, in pixels), as a fan of triangles: of what lies within a pixel of the picture, so that
-/// no corner is too far away.
+/// Pixels around the picture up to which polygons are rasterised as they are: half of what corners may be away. One cut at the picture's own rim would have its corners
+/// rounded there, and its edges inside the picture moved by that: no longer where those of its neighbours are.
+const GUARD: f64 = (1u64 << 19) as f64;
+
+/// The rows of a convex polygon of the image (x and y of its corners, in pixels), as a fan of triangles; what lies beyond a guard band is cut off, so that no
+/// corner is too far away.
 pub fn polygon_spans(polygon: &Polygon, size: [u32; 2]) -> impl Iterator<Item = Span> + use<> {
     let [w, h] = size.map(f64::from);
-    let guards = [(DVec3::X, -1.0), (DVec3::NEG_X, -w - 1.0), (DVec3::Y, -1.0), (DVec3::NEG_Y, -h - 1.0)];
-    let near = guards.into_iter().fold(polygon.clone(), |p, (normal, offset)| p.clipped(&HalfSpace { normal, offset }));
+    let guards = [(DVec3::X, 0.0), (DVec3::NEG_X, -w), (DVec3::Y, 0.0), (DVec3::NEG_Y, -h)];
+    let near = guards
+        .into_iter()
+        .fold(polygon.clone(), |p, (normal, offset)| p.clipped(&HalfSpace { normal, offset: offset - GUARD }));
     let triangles: Vec<_> = near.triangles().map(|t| t.map(|corner| snapped(corner.truncate()))).collect();
     triangles.into_iter().flat_map(move |t| triangle_spans(t, size))
 }

@@ -264,6 +264,15 @@ proptest! {
     }
 }
 
+/// An edge that leaves the picture is the same line whether one polygon has all of it or two have a half each.
+#[test]
+fn an_edge_is_not_moved_where_it_leaves_the_picture() {
+    let [a, b, c] = [DVec2::new(-1.5, 18.0), DVec2::new(8.5, -1.0), DVec2::new(18.0, 6.0)];
+    let (whole, middle) = (vec![a, b, c], 0.5 * (a + b));
+    let halves = [vec![a, middle, c], vec![middle, b, c]];
+    assert_eq!(covered(&[whole], [20, 20]), covered(&halves, [20, 20]));
+}
+
 #[test]
 fn a_slice_that_misses_or_touches_is_nothing() {
     let placement = Placement::from_spacing([1.0; 3]).unwrap();

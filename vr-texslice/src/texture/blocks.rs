@@ -2,13 +2,18 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_kernels::vector::{Cells, LANES, Lanes, Shade};
+use vr_core::GradientMethod;
+use vr_kernels::vector::{Cells, LANES, Lanes};
 
-use super::{Lit, Texture};
+use super::Texture;
+use super::interpolant::slopes;
 use crate::compression::Compressed;
 
 /// Values of a compressed volume, linear along each axis.
-pub(crate) struct Blocks<'a>(pub(crate) &'a Compressed);
+pub(crate) struct Blocks<'a> {
+    pub(crate) compressed: &'a Compressed,
+    pub(crate) method: GradientMethod,
+}
 
 /// The eight texels around each of sixteen places, x fastest.
 pub(crate) struct Decoded([Lanes; 8]);
@@ -24,14 +29,14 @@ impl Texture for Blocks<'_> {
     const LIGHT: bool = false;
 
     fn dims(&self) -> [usize; 3] {
-        self.0.dims()
+        self.compressed.dims()
     }
 
     #[inline(always)]
     fn fetch<S: Simd>(&self, _: S, at: &Cells<S>, stage: &mut Decoded) {
         let [x, y, z] = [at.cell[0].to_array(), at.cell[1].to_array(), at.cell[2].to_array()];
         for i in 0..LANES {
-            let corners = self.0.cell([x[i], y[i], z[i]].map(|c| c as u32 as usize));
+            let corners = self.compressed.cell([x[i], y[i], z[i]].map(|c| c as u32 as usize));
             for (lanes, value) in stage.0.iter_mut().zip(corners) {
                 lanes.0[i] = value;
             }
@@ -48,31 +53,39 @@ impl Texture for Blocks<'_> {
         [f0 + tz * (f1 - f0); 4]
     }
 
-    /// By gradients of what the blocks hold: those of a smooth field are as rough as its levels.
+    /// Gradients of what the blocks hold: those of a smooth field are as rough as its levels.
     #[inline(always)]
-    fn shade<S: Simd>(&self, simd: S, at: &Cells<S>, with: &Lit<'_>, light: &mut [Lanes; 4], _: &mut Decoded) {
-        let at: [[f32; LANES]; 3] = std::array::from_fn(|a| {
-            let (cell, fraction) = (at.cell[a].to_array(), at.fraction[a].to_array());
-            std::array::from_fn(|i| cell[i] as f32 + fraction[i])
-        });
-        shade_by_gradients(simd, &at, with, light, |at| self.0.gradient_at(at));
+    fn gradient<S: Simd>(&self, simd: S, at: &Cells<S>, wanted: u32, stage: &mut Decoded) -> [Lanes; 3] {
+        if self.method == GradientMethod::Analytic {
+            self.fetch(simd, at, stage);
+            return slopes(simd, at, |axis| {
+                let step = 1 << axis;
+                let [b, c] = [[2, 4], [1, 4], [1, 2]][axis];
+                let corner = |i: usize| stage.0[i].load(simd);
+                let face = |first: usize| [corner(first), corner(first + b), corner(first + c), corner(first + b + c)];
+                [face(0), face(step)]
+            });
+        }
+        differences(at, wanted, [0; 3], |at| self.compressed.gradient_at(at))
     }
 }
 
-/// Shades light at places by gradients per index step, found one by one.
+/// Gradients per index step of some lanes, found one by one at the volume's own positions: places are counted from the cell `first` on.
 #[inline(always)]
-pub(crate) fn shade_by_gradients<S: Simd>(
-    simd: S,
-    at: &[[f32; LANES]; 3],
-    with: &Lit<'_>,
-    light: &mut [Lanes; 4],
+pub(super) fn differences<S: Simd>(
+    at: &Cells<S>,
+    wanted: u32,
+    first: [usize; 3],
     gradient_at: impl Fn([f32; 3]) -> [f32; 3],
-) {
+) -> [Lanes; 3] {
+    let at: [[f32; LANES]; 3] = std::array::from_fn(|a| {
+        let (cell, fraction) = (at.cell[a].to_array(), at.fraction[a].to_array());
+        std::array::from_fn(|i| (cell[i] + first[a] as i32) as f32 + fraction[i])
+    });
     let mut gradient = [Lanes::ZERO; 3];
-    // False for NaN, which is vacuum.
-    for i in (0..LANES).filter(|&i| light[3].0[i] > 0.0) {
+    for i in (0..LANES).filter(|i| wanted >> i & 1 == 1) {
         let found = gradient_at([at[0][i], at[1][i], at[2][i]]);
         (0..3).for_each(|a| gradient[a].0[i] = found[a]);
     }
-    Shade { shading: with.shading, lights: with.lights }.apply_to_gradients(simd, &gradient, light);
+    gradient
 }

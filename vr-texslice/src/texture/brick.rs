@@ -2,10 +2,13 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
+use vr_core::GradientMethod;
 use vr_core::filter::Lattice;
-use vr_kernels::vector::{Cells, Field, LANES, Lanes, Stage, cells, inside, pick, splat};
+use vr_kernels::vector::{Cells, Field, Lanes, Stage, cells, inside, pick, splat};
 
-use super::{Lit, Texture, shade_by_gradients};
+use super::Texture;
+use super::blocks::differences;
+use super::interpolant::slopes;
 use crate::compression::gradient_of_texels;
 
 /// Cells of a brick in its volume, and where its texels begin.
@@ -111,16 +114,17 @@ impl<X: Texture> Texture for InBrick<X> {
     }
 
     #[inline(always)]
-    fn shade<S: Simd>(&self, simd: S, at: &Cells<S>, with: &Lit<'_>, light: &mut [Lanes; 4], stage: &mut Self::Stage) {
-        self.texture.shade(simd, at, with, light, stage);
+    fn gradient<S: Simd>(&self, simd: S, at: &Cells<S>, wanted: u32, stage: &mut Self::Stage) -> [Lanes; 3] {
+        self.texture.gradient(simd, at, wanted, stage)
     }
 }
 
-/// Values of a brick decoded from compressed blocks, shaded as the blocks themselves are.
+/// Values of a brick decoded from compressed blocks, with the gradients of the blocks themselves.
 pub(crate) struct Decoded<'a> {
     field: Field<'a, f32>,
-    /// Values that gradients are taken from.
+    /// Values that central differences are taken from.
     filled: Lattice<'a, f32>,
+    method: GradientMethod,
     /// Index of the first of them in the volume, and the volume's own dimensions.
     first: [usize; 3],
     whole: [usize; 3],
@@ -130,11 +134,11 @@ impl<'a> Decoded<'a> {
     /// Values, and what gradients are taken from: both begin at an index of a volume of these dimensions.
     pub(crate) fn new(
         values: &Lattice<'a, f32>,
-        filled: Lattice<'a, f32>,
+        (filled, method): (Lattice<'a, f32>, GradientMethod),
         first: [usize; 3],
         whole: [usize; 3],
     ) -> Self {
-        Self { field: Field::new(values), filled, first, whole }
+        Self { field: Field::new(values), filled, method, first, whole }
     }
 }
 
@@ -157,17 +161,17 @@ impl Texture for Decoded<'_> {
     }
 
     #[inline(always)]
-    fn shade<S: Simd>(&self, simd: S, at: &Cells<S>, with: &Lit<'_>, light: &mut [Lanes; 4], _: &mut Stage<f32>) {
-        // In the volume's own positions: rounding is the same then.
-        let at: [[f32; LANES]; 3] = std::array::from_fn(|a| {
-            let (cell, fraction) = (at.cell[a].to_array(), at.fraction[a].to_array());
-            std::array::from_fn(|i| (cell[i] + self.first[a] as i32) as f32 + fraction[i])
-        });
+    fn gradient<S: Simd>(&self, simd: S, at: &Cells<S>, wanted: u32, stage: &mut Stage<f32>) -> [Lanes; 3] {
+        if self.method == GradientMethod::Analytic {
+            self.field.fetch(simd, at, stage);
+            return slopes(simd, at, |axis| self.field.faces(simd, axis, stage));
+        }
         // A position rounded up to the next cell does not count what lies beyond the brick's texels, but asks for it.
         let texel = |index: [usize; 3]| {
             let [x, y, z] = std::array::from_fn(|a| (index[a] - self.first[a]).min(self.filled.dims[a] - 1));
             self.filled.at(x, y, z)
         };
-        shade_by_gradients(simd, &at, with, light, |at| gradient_of_texels(self.whole, at, texel));
+        // In the volume's own positions: rounding is the same then.
+        differences(at, wanted, self.first, |at| gradient_of_texels(self.whole, at, texel))
     }
 }

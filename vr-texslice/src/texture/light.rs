@@ -4,8 +4,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16};
 use vr_kernels::vector::{Cells, LANES, Lanes, transpose};
 
-use super::{Lit, Texture, TextureVisitor};
-use crate::classified::{LightTexels, Palette};
+use super::{Texture, TextureVisitor};
+use crate::classified::LightTexels;
+use crate::palette::CODES;
 
 /// Store of the light and opacity of texels.
 trait Texels: Sync {
@@ -37,7 +38,7 @@ impl Texels for Luminance<'_> {
 /// Indices into a palette.
 struct Indices<'a> {
     texels: &'a [u8],
-    palette: &'a Palette,
+    palette: &'a [[f32; 4]],
 }
 
 impl Texels for Indices<'_> {
@@ -47,14 +48,29 @@ impl Texels for Indices<'_> {
     }
 }
 
-/// Indices into a palette, and the light that each texel reflects.
-struct ShadedIndices<'a> {
-    colors: Indices<'a>,
+/// Indices into a palette for each level of the gradient's magnitude.
+struct SteepIndices<'a> {
+    texels: &'a [u8],
+    levels: &'a [u8],
+    palette: &'a [[f32; 4]],
+}
+
+impl Texels for SteepIndices<'_> {
+    #[inline(always)]
+    fn at(&self, texel: usize) -> [f32; 4] {
+        // A palette that changes nowhere has one level, and all texels are on it.
+        self.palette[usize::from(self.levels[texel]) * CODES + usize::from(self.texels[texel])]
+    }
+}
+
+/// Texels that a palette colours, and the light that each reflects.
+struct Shaded<'a, X> {
+    colors: X,
     /// Factors on the three colours, and the three lights that are added to an opaque texel.
     reflections: &'a [[f32; 6]],
 }
 
-impl Texels for ShadedIndices<'_> {
+impl<X: Texels> Texels for Shaded<'_, X> {
     #[inline(always)]
     fn at(&self, texel: usize) -> [f32; 4] {
         let [r, g, b, alpha] = self.colors.at(texel);
@@ -69,20 +85,34 @@ impl Texels for ShadedIndices<'_> {
 /// Panics if there are indices, and no palette: a bug in the caller.
 pub(crate) fn visit_light<V: TextureVisitor>(
     texels: &LightTexels,
-    palette: Option<&Palette>,
+    palette: Option<&[[f32; 4]]>,
     dims: [usize; 3],
     visitor: V,
 ) -> V::Output {
     match texels {
         LightTexels::Rgba(texels) => visitor.visit(Light { texels: Rgba(texels), dims }),
         LightTexels::Luminance(texels) => visitor.visit(Light { texels: Luminance(texels), dims }),
-        LightTexels::Indices { indices, reflections } => {
-            let colors = Indices { texels: indices, palette: palette.expect("indices have a palette") };
-            match reflections {
-                None => visitor.visit(Light { texels: colors, dims }),
-                Some(reflections) => visitor.visit(Light { texels: ShadedIndices { colors, reflections }, dims }),
+        LightTexels::Indices { indices: texels, levels, reflections } => {
+            let palette = palette.expect("indices have a palette");
+            let reflections = reflections.as_deref();
+            match levels {
+                None => visit_palette(Indices { texels, palette }, reflections, dims, visitor),
+                Some(levels) => visit_palette(SteepIndices { texels, levels, palette }, reflections, dims, visitor),
             }
         }
+    }
+}
+
+/// Hands over a texture of texels that a palette colours, shaded where there are reflections.
+fn visit_palette<X: Texels, V: TextureVisitor>(
+    colors: X,
+    reflections: Option<&[[f32; 6]]>,
+    dims: [usize; 3],
+    visitor: V,
+) -> V::Output {
+    match reflections {
+        None => visitor.visit(Light { texels: colors, dims }),
+        Some(reflections) => visitor.visit(Light { texels: Shaded { colors, reflections }, dims }),
     }
 }
 
@@ -135,5 +165,7 @@ impl<X: Texels> Texture for Light<X> {
         transpose(rows)
     }
 
-    fn shade<S: Simd>(&self, _: S, _: &Cells<S>, _: &Lit<'_>, _: &mut [Lanes; 4], _: &mut Corners) {}
+    fn gradient<S: Simd>(&self, _: S, _: &Cells<S>, _: u32, _: &mut Corners) -> [Lanes; 3] {
+        [Lanes::ZERO; 3]
+    }
 }

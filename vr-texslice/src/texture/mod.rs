@@ -2,16 +2,17 @@
 
 mod blocks;
 mod brick;
+mod interpolant;
 mod light;
 mod voxels;
 
-pub(crate) use blocks::{Blocks, shade_by_gradients};
+pub(crate) use blocks::Blocks;
 pub(crate) use brick::{BrickPart, Decoded, InBrick};
 pub(crate) use light::visit_light;
 pub(crate) use voxels::{Relief, Voxels};
 
 use fearless_simd::{Simd, f32x16};
-use vr_kernels::vector::{Cells, Lanes, PacketLights, PacketShading, cells, inside};
+use vr_kernels::vector::{Cells, Lanes, cells, inside};
 
 /// A texture, as fragments see it.
 pub(crate) trait Texture: Sync {
@@ -46,8 +47,9 @@ pub(crate) trait Texture: Sync {
         self.place(simd, position)
     }
 
-    /// Shades light and opacity by the gradient at places. Textures that hold light are shaded when they are made.
-    fn shade<S: Simd>(&self, simd: S, at: &Cells<S>, with: &Lit<'_>, light: &mut [Lanes; 4], stage: &mut Self::Stage);
+    /// Gradients per step of texture coordinates at places, of the lanes in `wanted`; those of other lanes are of no use. Zero of textures that hold light:
+    /// gradients were looked at when they were made.
+    fn gradient<S: Simd>(&self, simd: S, at: &Cells<S>, wanted: u32, stage: &mut Self::Stage) -> [Lanes; 3];
 }
 
 /// Work on a texture of whatever type.
@@ -55,11 +57,4 @@ pub(crate) trait TextureVisitor {
     type Output;
 
     fn visit<X: Texture>(self, texture: X) -> Self::Output;
-}
-
-/// Shading and lights of fragments.
-#[derive(Clone, Copy)]
-pub(crate) struct Lit<'a> {
-    pub(crate) shading: &'a PacketShading,
-    pub(crate) lights: &'a PacketLights,
 }

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 use vr_core::filter::Lattice;
-use vr_kernels::vector::{Cells, Field, Lanes, Pairs, Shade, Stage, cells, inside};
+use vr_kernels::vector::{Cells, Field, Lanes, Pairs, Stage, cells, central_differences, inside, pick, splat};
 
-use super::{Lit, Texture};
+use super::Texture;
+use super::interpolant::slopes;
 
 /// Values, linear along each axis.
 pub(crate) struct Voxels<'a, T> {
@@ -15,48 +16,76 @@ pub(crate) struct Voxels<'a, T> {
     dims: [usize; 3],
     /// Slices to a layer along the last axis, where there is nothing between slices: of a stack of 2D textures.
     per_layer: Option<f32>,
-    /// Field that gradients are taken from; `None` for that of the values.
-    relief: Option<Relief<'a>>,
+    /// True if voxels are missing: what lies on a layer of a stack is vacuum, then, if the cell on either side of it is.
+    has_holes: bool,
+    relief: Relief<'a>,
 }
 
-/// Field that gradients are taken from where voxels are missing: the volume's, the missing ones filled in.
+/// Source of gradients.
 #[derive(Clone)]
-pub(crate) struct Relief<'a> {
-    field: Arc<Field<'a, f32>>,
-    /// Texture coordinate c is the index along axis `axes[c]` of this.
-    axes: [usize; 3],
+pub(crate) enum Relief<'a> {
+    /// Central differences of the values.
+    Values,
+    /// Central differences of the volume's field, missing voxels filled in; texture coordinate c is the index along axis `axes[c]` of that.
+    Filled { field: Arc<Field<'a, f32>>, axes: [usize; 3] },
+    /// The derivative of the interpolant, inside each cell.
+    Interpolant,
 }
 
 impl<'a> Relief<'a> {
-    pub(crate) fn new(lattice: &Lattice<'a, f32>, axes: [usize; 3]) -> Self {
-        Self { field: Arc::new(Field::new(lattice)), axes }
-    }
-
-    #[inline(always)]
-    fn shade<S: Simd>(&self, simd: S, at: &Cells<S>, with: &Lit<'_>, light: &mut [Lanes; 4]) {
-        let (mut cell, mut fraction) = ([Lanes::ZERO; 3], [Lanes::ZERO; 3]);
-        for (c, &a) in self.axes.iter().enumerate() {
-            (cell[a], fraction[a]) = (Lanes::new(at.cell[c].to_float()), Lanes::new(at.fraction[c]));
-        }
-        let shade = Shade { shading: with.shading, lights: with.lights };
-        shade.apply(simd, &self.field, &[cell, fraction], &[Lanes::ZERO; 3], light, &mut Stage::default());
+    /// Central differences of a field without missing voxels.
+    pub(crate) fn filled(lattice: &Lattice<'a, f32>, axes: [usize; 3]) -> Self {
+        Self::Filled { field: Arc::new(Field::new(lattice)), axes }
     }
 }
 
 impl<'a, T: Pairs> Voxels<'a, T> {
     /// A 3D texture.
     pub(crate) fn new(lattice: &Lattice<'a, T>) -> Self {
-        Self { field: Field::new(lattice), dims: lattice.dims, per_layer: None, relief: None }
+        Self {
+            field: Field::new(lattice),
+            dims: lattice.dims,
+            per_layer: None,
+            has_holes: false,
+            relief: Relief::Values,
+        }
     }
 
     /// A stack of 2D textures, layer by layer, and so many slices to a layer: those between two layers are interpolated.
-    pub(crate) fn stack(lattice: &Lattice<'a, T>, per_layer: u32) -> Self {
-        Self { per_layer: Some(per_layer as f32), ..Self::new(lattice) }
+    pub(crate) fn stack(lattice: &Lattice<'a, T>, per_layer: u32, has_holes: bool) -> Self {
+        Self { per_layer: Some(per_layer as f32), has_holes, ..Self::new(lattice) }
     }
 
-    /// The same, with gradients of another field.
-    pub(crate) fn with_relief(self, relief: Option<Relief<'a>>) -> Self {
+    /// The same, with gradients from a source.
+    pub(crate) fn with_relief(self, relief: Relief<'a>) -> Self {
         Self { relief, ..self }
+    }
+}
+
+impl<T: Pairs> Voxels<'_, T> {
+    /// Values at places, NaN on the lower face of a cell along the last axis where the cell before it is vacuum.
+    ///
+    /// Its own function: few volumes have holes.
+    #[inline(never)]
+    fn unless_vacuum_before<S: Simd>(&self, simd: S, at: &Cells<S>, value: f32x16<S>) -> f32x16<S> {
+        let mut lanes = Lanes::new(value);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let [x, y, z] = at.cell;
+                let [tx, ty, tz] = at.fraction;
+                let on_face = tz.simd_eq(splat(simd, 0.0)) & z.simd_gt(i32x16::splat(simd, 0));
+                if on_face.any_true() {
+                    let cell = [x, y, (z - 1).max(i32x16::splat(simd, 0))];
+                    let before = Cells { cell, fraction: [tx, ty, splat(simd, 1.0)] };
+                    let mut stage = Stage::default();
+                    self.field.fetch(simd, &before, &mut stage);
+                    let there = self.field.value(simd, &before, &stage);
+                    lanes = Lanes::new(pick(on_face & !there.simd_eq(there), there, value));
+                }
+            },
+        );
+        lanes.load(simd)
     }
 }
 
@@ -75,7 +104,8 @@ impl<T: Pairs> Texture for Voxels<'_, T> {
         let mut z = inside(simd, z, max[2]);
         if let Some(per_layer) = self.per_layer {
             let slice: i32x16<S> = (z * per_layer + 0.5).to_int();
-            z = inside(simd, slice.to_float::<f32x16<S>>() * (1.0 / per_layer), max[2]);
+            // Divided, a slice on a layer is there to the last bit: beside holes it matters.
+            z = inside(simd, slice.to_float::<f32x16<S>>() / per_layer, max[2]);
         }
         cells(simd, [inside(simd, x, max[0]), inside(simd, y, max[1]), z], self.field.last_cell)
     }
@@ -87,7 +117,8 @@ impl<T: Pairs> Texture for Voxels<'_, T> {
 
     #[inline(always)]
     fn read<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Stage<T>) -> [f32x16<S>; 4] {
-        [self.field.value(simd, at, stage); 4]
+        let value = self.field.value(simd, at, stage);
+        [if self.has_holes { self.unless_vacuum_before(simd, at, value) } else { value }; 4]
     }
 
     #[inline(always)]
@@ -97,15 +128,29 @@ impl<T: Pairs> Texture for Voxels<'_, T> {
     }
 
     #[inline(always)]
-    fn shade<S: Simd>(&self, simd: S, at: &Cells<S>, with: &Lit<'_>, light: &mut [Lanes; 4], stage: &mut Stage<T>) {
-        if let Some(relief) = &self.relief {
-            return relief.shade(simd, at, with, light);
+    fn gradient<S: Simd>(&self, simd: S, at: &Cells<S>, _: u32, stage: &mut Stage<T>) -> [Lanes; 3] {
+        let still = [Lanes::ZERO; 3];
+        match &self.relief {
+            Relief::Values => {
+                let [x, y, z] = at.cell;
+                let cell = [Lanes::new(x.to_float()), Lanes::new(y.to_float()), Lanes::new(z.to_float())];
+                let [x, y, z] = at.fraction;
+                let fraction = [Lanes::new(x), Lanes::new(y), Lanes::new(z)];
+                let [gradient, _] = central_differences(simd, &self.field, &[cell, fraction], &still, stage);
+                gradient
+            }
+            Relief::Filled { field, axes } => {
+                let (mut cell, mut fraction) = ([Lanes::ZERO; 3], [Lanes::ZERO; 3]);
+                for (c, &a) in axes.iter().enumerate() {
+                    (cell[a], fraction[a]) = (Lanes::new(at.cell[c].to_float()), Lanes::new(at.fraction[c]));
+                }
+                let [gradient, _] = central_differences(simd, field, &[cell, fraction], &still, &mut Stage::default());
+                axes.map(|a| gradient[a])
+            }
+            Relief::Interpolant => {
+                self.field.fetch(simd, at, stage);
+                slopes(simd, at, |axis| self.field.faces(simd, axis, stage))
+            }
         }
-        let [x, y, z] = at.cell;
-        let cell = [Lanes::new(x.to_float()), Lanes::new(y.to_float()), Lanes::new(z.to_float())];
-        let [x, y, z] = at.fraction;
-        let fraction = [Lanes::new(x), Lanes::new(y), Lanes::new(z)];
-        let shade = Shade { shading: with.shading, lights: with.lights };
-        shade.apply(simd, &self.field, &[cell, fraction], &[Lanes::ZERO; 3], light, stage);
     }
 }

@@ -1,10 +1,14 @@
 //! Scenes, views and settings through which two ways of drawing are compared, and the comparison.
 
+#![allow(dead_code, reason = "each test file uses its part")]
+
 use std::sync::Arc;
 
+use proptest::prelude::*;
 use vr_core::*;
-use vr_physics::check::FixedLayer;
 use vr_physics::check::pictures::*;
+use vr_physics::check::strategies::{Kind, scene_of};
+use vr_physics::check::{FixedLayer, TestScene};
 use vr_texslice::{Format, TextureSlicer};
 
 pub const FORMATS: [Format; 6] =
@@ -17,6 +21,62 @@ pub const OPERATORS: [Compositing; 6] = [
     Compositing::Minimum,
     Compositing::First { threshold: 0.45 },
 ];
+
+/// Ways in which a scene looks at gradients: shading by either kind of them, opacity by factors and by rows, with shading and without.
+pub fn looks(scene: &Scene) -> Vec<Scene> {
+    let steepest = 12.0;
+    let shaded = |shading: Shading| Scene { shading: Some(Arc::new(shading)), ..scene.clone() };
+    let factors = vec![(0.02 * steepest, 0.0), (0.2 * steepest, 1.0), (steepest, 1.7)];
+    let analytic = || Shading { gradient: GradientMethod::Analytic, ..Shading::default() };
+    vec![
+        scene.clone(),
+        shaded(Shading::default()),
+        shaded(analytic()),
+        shaded(Shading { gradient_opacity: factors.clone(), ..Shading::default() }),
+        shaded(Shading { gradient_opacity: factors, ..analytic() }),
+        with_rows(scene, steepest),
+        with_rows(&shaded(analytic()), steepest),
+    ]
+}
+
+/// The first two of them, and of the others that whose turn it is in a view: pictures of all of them in all views would take minutes.
+pub fn looks_of_view(scene: &Scene, view: usize) -> Vec<Scene> {
+    let mut looks = looks(scene);
+    let other = looks.swap_remove(2 + view % (looks.len() - 2));
+    looks.truncate(2);
+    looks.push(other);
+    looks
+}
+
+/// The scene with a transfer function by gradient: half as dense in flat regions as its own, and denser in steep ones, all but half as steep as `steepest`.
+pub fn with_rows(scene: &Scene, steepest: f64) -> Scene {
+    let transfer = &scene.transfer;
+    let row = |share: f64| -> Vec<ControlPoint> {
+        let of = |p: &ControlPoint| ControlPoint { opacity: (share * p.opacity).min(0.99), ..*p };
+        transfer.points().iter().map(of).collect()
+    };
+    let rows = vec![(0.0, row(0.5)), (0.1 * steepest, row(0.0)), (0.5 * steepest, row(1.5))];
+    let rows = TransferFunction::of_rows(rows, transfer.rule(), transfer.unit_distance()).unwrap();
+    Scene { transfer: Arc::new(rows), ..scene.clone() }
+}
+
+/// A random scene, of four one with rows by gradient where these mean anything.
+pub fn random_scene(kinds: &[Kind]) -> impl Strategy<Value = TestScene> + use<> {
+    (scene_of(kinds), 0..4).prop_map(|(test, choice)| if choice == 0 { by_slope(test) } else { test })
+}
+
+/// The scene with rows by gradient, up to half of the steepest slope; as it is where no light is gathered, or slopes cannot be told apart.
+pub fn by_slope(test: TestScene) -> TestScene {
+    let grid = test.scene.volume.grid().filter(|_| test.scene.compositing.integrates_light());
+    let range = grid.and_then(|grid| grid.value_range()).map(|(low, high)| high - low);
+    let steepest = range.map_or(0.0, |range| range / test.scene.volume.mean_spacing());
+    if !(steepest > 1e-300 && steepest < 1e50) {
+        return test;
+    }
+    let flat = |shading: &Arc<Shading>| Arc::new(Shading { gradient_opacity: Vec::new(), ..Shading::clone(shading) });
+    let scene = Scene { shading: test.scene.shading.as_ref().map(flat), ..test.scene };
+    TestScene { scene: with_rows(&scene, steepest), view: test.view }
+}
 
 /// Returns the pictures of two renderers; `None` if both refuse, for the same reason.
 pub fn both(renderers: [TextureSlicer; 2], scene: &Scene, view: &View) -> Option<[Rendered; 2]> {
