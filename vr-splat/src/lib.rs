@@ -77,8 +77,8 @@
 //! Vacuum is known to a sheet, and errors at its faces fall with the distance of sheets by the order 1; so with `average` there.
 //!
 //! # What cannot be drawn
-//! Answered by [`vr_core::RenderError::Unsupported`]: the volume's own sheets of points, which have no layers; another kernel for points than their own, or beside a filter of the scene that is not trilinear, for a voxel is spread by one of them; the
-//! B-spline but of values in sheets parallel to the image, for its coefficients are a field only all together; analytic gradients of voxels on their own
+//! Answered by [`vr_core::RenderError::Unsupported`]: the volume's own sheets of points, which have no layers; another kernel for points than their own, or
+//! beside a filter of the scene that is not trilinear, for a voxel is spread by one of them; the B-spline but of values in sheets parallel to the image, for its coefficients are a field only all together; analytic gradients of voxels on their own
 //! under linear weights or cones, which have a kink there, and in the volume's own sheets, which have no slope across their layer; of
 //! what is classified before it is splatted, maximum, minimum, average and first: light has no value to compare; back to front but of the volume's own
 //! sheets under `over`, where frames have no depth. Options that have no effect beside the others (`sigma` of what is no Gaussian,

@@ -5,7 +5,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 use vr_kernels::vector::{pick, splat};
 
-use crate::chord_table::{ChordCourse, ChordTable};
+use crate::chord_table::{Chord, ChordCourse, ChordTable};
 use crate::point_gradients::{GradientCourse, GradientSum};
 use crate::splat::Splat;
 
@@ -43,11 +43,21 @@ struct UpTo<S: Simd> {
 }
 
 impl<S: Simd> Chords<S> {
+    /// Integrals up to a depth.
     #[inline(always)]
     fn up_to(&self, simd: S, depth: f32x16<S>) -> UpTo<S> {
         let u = (depth - self.nearest) * self.per_half;
-        let u = u.max(splat(simd, -1.0)).min(splat(simd, 1.0));
+        self.up_to_part(simd, u.max(splat(simd, -1.0)).min(splat(simd, 1.0)))
+    }
+
+    /// Integrals up to a part of half the chord.
+    #[inline(always)]
+    fn up_to_part(&self, simd: S, u: f32x16<S>) -> UpTo<S> {
         let whole = self.course.up_to(simd, u);
+        #[expect(
+            clippy::manual_map,
+            reason = "a closure is not compiled for the vectors' instructions where it is not inlined"
+        )]
         let gradient = match &self.gradients {
             Some(gradients) => Some(gradients.course.up_to(simd, u * gradients.half, whole)),
             None => None,
@@ -88,12 +98,17 @@ impl Tile<'_> {
         let (near, far) = (block.near.load(simd), block.far.load(simd));
         // The chords of the rays, and the courses of the kernel along them.
         let Some(passing) = Passing::new(simd, &self.axes, block, at) else { return };
-        let factor = block.stretch.load(simd) * at.weight / passing.speed;
-        let [enter, leave] = passing.chord(simd);
+        // Divisions are for the block, for the splat and one for the chord.
+        let radius = 1.0 / at.scale;
+        let per_speed = block.inverse_speed.load(simd) * radius;
+        let factor = block.stretch.load(simd) * per_speed * at.weight;
+        let chord = Chord::new(simd, passing.distance);
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let half = (leave - enter) * 0.5;
-        let meets = half.simd_gt(zero);
-        let per_half = pick(meets, one / pick(meets, half, one), zero);
+        let (half, meets) = (chord.half * per_speed, chord.half.simd_gt(zero));
+        let (enter, leave) = (passing.nearest - half, passing.nearest + half);
+        // Rays that miss the kernel never enter it, and have left it.
+        let enter = pick(meets, enter, splat(simd, f32::INFINITY));
+        let leave = pick(meets, leave, splat(simd, f32::NEG_INFINITY));
         let gradient = if GRADIENTS { painter.summed_gradient() } else { None };
         let gradients = match gradient {
             Some(gradient) => {
@@ -104,34 +119,33 @@ impl Tile<'_> {
                 }
                 let across = passing.across(simd, &self.axes, block, at);
                 let course = gradient.along(simd, passing.distance);
-                Some(ChordGradients { course, across, along, half: half * passing.speed })
+                Some(ChordGradients { course, across, along, half: chord.half })
             }
             None => None,
         };
-        let chords = Chords { course: table.at(simd, passing.distance), nearest: passing.nearest, per_half, gradients };
-        // Sections from sheet to sheet: differences of integrals up to their faces.
+        let chords = Chords {
+            course: table.at(simd, &chord),
+            nearest: passing.nearest,
+            per_half: chord.per_half * passing.speed,
+            gradients,
+        };
+        // Sections from sheet to sheet: differences of integrals up to their faces, half the whole chord's before it and behind it.
+        let (from_start, to_end) = (chords.up_to_part(simd, -one), chords.up_to_part(simd, one));
         let mut start = splat(simd, first as f32 * painter.distance).max(near).min(far);
-        // ∫ up to `start`, once it is known.
-        let (mut before, mut known) = (UpTo { whole: zero, gradient: None }, false);
+        let mut before = if start.simd_gt(enter).any_true() { chords.up_to(simd, start) } else { from_start };
+        // Sheets that these chords miss are not left out: a branch that depends on chords costs more than a section of nothing.
         for sheet in first..=last {
             let end = splat(simd, (sheet + 1) as f32 * painter.distance).max(near).min(far);
-            if !enter.max(start).simd_lt(leave.min(end)).any_true() {
-                (start, known) = (end, false);
-                continue;
-            }
-            let after = chords.up_to(simd, end);
-            if !known {
-                before = chords.up_to(simd, start);
-            }
+            let is_end = sheet == last && !leave.simd_gt(end).any_true();
+            let after = if is_end { to_end } else { chords.up_to(simd, end) };
             let section = Section {
                 // Kernels of points are nowhere negative; polynomials and rounding might be.
                 whole: (after.whole - before.whole).max(zero) * factor,
                 reach: Some([[start, end], [enter, leave]]),
                 gradient: chords.gradient(&before, &after, at.weight),
             };
-            (before, known) = (after, true);
             self.add_section(simd, [sheet as usize, number], section, (at.value, optics));
-            start = end;
+            (before, start) = (after, end);
         }
     }
 }

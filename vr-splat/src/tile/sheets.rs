@@ -68,7 +68,7 @@ impl Tile<'_> {
             Content::Light(optics) => optics.at(splat_.value),
             _ => [0.0; 4],
         };
-        let channels = painter.channels();
+        let channels = self.channels;
         match painter.kernel {
             FootprintKernel::Smooth(_, chords) if painter.summed_gradient().is_some() => {
                 self.add_chords::<true, S>(simd, chords, number, splat_, optics, [first, last]);
@@ -127,7 +127,7 @@ impl Tile<'_> {
     ) {
         let slot = sheet & (self.painter.ring as usize - 1);
         let at = self.place_of(slot, number);
-        let channels = &mut self.sheets[at..at + self.painter.channels()];
+        let channels = &mut self.sheets[at..at + self.channels];
         add(simd, channels, section.whole, value, optics);
         match (channels, section.reach) {
             ([_, to_back, to_front], Some(reach)) => cover(simd, [to_back, to_front], reach),
@@ -159,7 +159,7 @@ impl Tile<'_> {
         let of_image = painter.buffers == Buffers::Image;
         let slot = if of_image { (sheet & (painter.ring - 1)) as usize } else { 0 };
         let mut touched = std::mem::take(&mut self.touched[slot]);
-        let channels = painter.channels();
+        let channels = self.channels;
         let [front, back] = [sheet, sheet + 1].map(|k| k as f32 * painter.distance);
         while touched != 0 {
             let number = touched.trailing_zeros() as usize;
