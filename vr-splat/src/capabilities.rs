@@ -108,23 +108,19 @@ fn check_picks(renderer: &Splatter, operator: Compositing, input: &SplatInput) -
 
 /// Checks that there are gradients where the scene's light depends on them.
 fn check_shading(renderer: &Splatter, scene: &Scene, input: &SplatInput) -> Result<(), RenderError> {
-    let SplatInput::Grid(grid) = input else {
-        if scene.has_gradient_opacity() {
-            return Err(unsupported(
-                Feature::GradientOpacity,
-                "opacity that follows the gradient, of scattered points",
-            ));
-        }
-        let shaded = scene.reflection().map(|_| unsupported(Feature::Shading, "shading of scattered points"));
-        return shaded.map_or(Ok(()), Err);
-    };
     let integrates = scene.compositing.integrates_light();
     let Some(shading) =
         scene.gradient_shading().filter(|_| scene.reflection().is_some() || scene.has_gradient_opacity())
     else {
         return Ok(());
     };
-    if shading.gradient == GradientMethod::Analytic && integrates {
+    let samples = match input {
+        SplatInput::Grid(grid) => grid.dims().iter().product::<usize>(),
+        SplatInput::Points(points) => points.count(),
+    };
+    // Points have one gradient, the sum of their kernels' own, whichever is asked for.
+    let of_grid = matches!(input, SplatInput::Grid(_));
+    if of_grid && shading.gradient == GradientMethod::Analytic && integrates {
         let kinks = matches!(renderer.spreading(input).kernel.shape, Shape::Bilinear | Shape::Cone);
         let why = if renderer.splats_light() && kinks {
             "of voxels classified on their own: their kernel has a kink at every voxel, and no slope there"
@@ -137,8 +133,8 @@ fn check_shading(renderer: &Splatter, scene: &Scene, input: &SplatInput) -> Resu
             return Err(unsupported(Feature::AnalyticGradients, format!("analytic gradients {why}")));
         }
     }
-    if grid.dims().iter().product::<usize>() > i32::MAX as usize {
-        return Err(unsupported(Feature::Size, "shading of 2³¹ voxels and more"));
+    if samples > i32::MAX as usize {
+        return Err(unsupported(Feature::Size, "shading of 2³¹ voxels or points and more"));
     }
     Ok(())
 }

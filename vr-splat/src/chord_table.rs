@@ -54,12 +54,12 @@ impl ChordTable {
         Some(Self { rows: (0..ACROSS).map(row).chain([[0.0; TERMS]; 2]).collect(), form })
     }
 
-    /// The polynomials of chords at these distances from the middle, b in [0, 1].
+    /// The polynomials of chords.
     #[inline(always)]
-    pub(crate) fn at<S: Simd>(&self, simd: S, b: f32x16<S>) -> ChordCourse<S> {
+    pub(crate) fn at<S: Simd>(&self, simd: S, chord: &Chord<S>) -> ChordCourse<S> {
+        let Chord { b, half, per_half } = *chord;
         if let Form::Cone(peak) = self.form {
-            let (one, b) = (splat(simd, 1.0), b.max(splat(simd, 1e-6)));
-            let half = ((one - b) * (one + b)).max(splat(simd, 0.0)).sqrt();
+            let b = b.max(splat(simd, 1e-6));
             return ChordCourse::Cone { half, square: b * b, ln: ln(simd, b), peak };
         }
         let across = b * ACROSS as f32;
@@ -86,12 +86,31 @@ impl ChordTable {
             return ChordCourse::Smooth(terms);
         }
         // Where the chord is half a radius from the middle: u² = (¼ − b²) / (1 − b²).
-        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let square = (one - b) * (one + b);
-        let inner = (splat(simd, 0.25) - b * b).max(zero);
-        let at = (inner / pick(square.simd_gt(zero), square, one)).sqrt();
+        let inner = (splat(simd, 0.25) - b * b).max(splat(simd, 0.0));
+        let at = inner.sqrt() * per_half;
         let whole = terms[TERMS - 1] * (at * at) * (at * at);
         ChordCourse::Bending { terms, at, whole }
+    }
+}
+
+/// Chords of sixteen rays through the unit ball.
+#[derive(Clone, Copy)]
+pub(crate) struct Chord<S: Simd> {
+    /// Their distances from the middle, b in [0, 1].
+    pub(crate) b: f32x16<S>,
+    /// Half their lengths.
+    pub(crate) half: f32x16<S>,
+    /// 1 over that; 0 where there is none.
+    pub(crate) per_half: f32x16<S>,
+}
+
+impl<S: Simd> Chord<S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S, b: f32x16<S>) -> Self {
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        let half = ((one - b) * (one + b)).max(zero).sqrt();
+        let there = half.simd_gt(zero);
+        Self { b, half, per_half: pick(there, one / pick(there, half, one), zero) }
     }
 }
 
@@ -118,16 +137,18 @@ impl<S: Simd> ChordCourse<S> {
     #[inline(always)]
     pub(crate) fn up_to(&self, simd: S, u: f32x16<S>) -> f32x16<S> {
         let size = match *self {
-            // In two halves, which do not wait for each other.
+            // In pairs, which do not wait for each other (Estrin 1960, "Organization of computer systems: the fixed plus variable structure computer").
             Self::Smooth([a, b, c, d, e, f, g, h]) => {
                 let x = u * u;
                 let square = x * x;
-                return u * (a + x * (b + x * (c + x * d)) + square * square * (e + x * (f + x * (g + x * h))));
+                let (low, high) = ((a + x * b) + square * (c + x * d), (e + x * f) + square * (g + x * h));
+                return u * (low + square * square * high);
             }
             Self::Bending { terms: [a, b, c, d, e, f, g, h], at, whole } => {
                 let x = u.abs();
                 let square = x * x;
-                let smooth = x * (a + x * (b + x * (c + x * d)) + square * square * (e + x * (f + x * g)));
+                let (low, high) = ((a + x * b) + square * (c + x * d), (e + x * f) + square * g);
+                let smooth = x * (low + square * square * high);
                 let rest = (at - x).max(splat(simd, 0.0));
                 let rest = rest * rest;
                 smooth - (whole - h * rest * rest)
@@ -223,7 +244,7 @@ mod tests {
 
     #[inline(always)]
     fn look_up<S: Simd>(simd: S, table: &ChordTable, b: f32, u: f32) -> f32 {
-        table.at(simd, splat(simd, b)).up_to(simd, splat(simd, u)).to_array()[5]
+        table.at(simd, &Chord::new(simd, splat(simd, b))).up_to(simd, splat(simd, u)).to_array()[5]
     }
 
     #[test]

@@ -4,8 +4,8 @@ use glam::DVec3;
 use vr_core::{Calibration, Compositing, Frame, Layer, Scene, View};
 use vr_kernels::vector::Operator;
 
+use crate::grid_gradients::{Gradients, world_gradient};
 use crate::projection::SplatView;
-use crate::shading::Gradients;
 use crate::splatter::Splatter;
 use crate::tile::{Drawn, State};
 
@@ -82,16 +82,23 @@ impl<'a> Picture<'a> {
     /// Shades the surface of a first hit, by the gradient where the ray meets it.
     fn shaded(&self, rgba: [f64; 4], state: &State, lane: usize, [x, y]: [u32; 2], seen: &SplatView) -> [f64; 4] {
         let (Operator::First { .. }, Some(shading)) = (self.operator, self.scene.reflection()) else { return rgba };
-        let (Some(grid), true) = (self.scene.volume.grid(), rgba[3] > 0.0) else { return rgba };
+        if rgba[3] <= 0.0 {
+            return rgba;
+        }
         let [x, y] = [x, y].map(|i| f64::from(i) + 0.5);
         let ray = seen.rays.at(x, y);
         let distance = (state.depth(self.operator, lane) + seen.base) * seen.stretch(seen.lateral(x, y));
-        let placement = grid.placement();
-        let index = placement.inverse_axes() * (ray.origin - placement.origin() + ray.direction * distance);
-        let last = DVec3::from_array(grid.dims().map(|n| (n - 1) as f64));
-        let gradients = Gradients::new(shading, self.renderer, grid);
-        let gradient = gradients.at(grid, index.clamp(DVec3::ZERO, last).to_array());
-        let world = placement.gradient_to_world(DVec3::from(gradient));
+        let world = match (self.scene.volume.grid(), self.scene.volume.points()) {
+            (Some(grid), _) => {
+                let placement = grid.placement();
+                let index = placement.inverse_axes() * (ray.origin - placement.origin() + ray.direction * distance);
+                let last = DVec3::from_array(grid.dims().map(|n| (n - 1) as f64));
+                let gradients = Gradients::new(shading, self.renderer, grid);
+                world_gradient(grid, gradients.at(grid, index.clamp(DVec3::ZERO, last).to_array()))
+            }
+            (_, Some(points)) => points.gradient(ray.origin + ray.direction * distance).unwrap_or_default(),
+            _ => return rgba,
+        };
         shading.along(&self.scene.lights, ray.direction).shade(rgba, world.to_array())
     }
 

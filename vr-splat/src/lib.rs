@@ -60,11 +60,13 @@
 //!   to the canonical pixel with the distance of voxels. Means are the same in every buffer.
 //! - Depth: of light, where opacity reaches a half, each sheet being homogeneous; of `first`, where the line between the values in the middle of two sheets
 //!   passes the threshold; of a maximum or minimum, the middle of its sheet; of a mean there is none (+∞), and back to front nothing is known.
-//! - A first hit is shaded by the grid's gradient where the ray meets it.
+//! - A first hit is shaded by the gradient of the grid, or of the sum of points, where the ray meets it.
 //!
 //! # Gradients
 //! What is classified sheet by sheet reflects by the gradient in the middle of the sheet, central differences or the filter's own, and its opacity follows
-//! that gradient's magnitude. What is classified before is shaded at the voxel, by the direction in which the eye sees the voxel, and its light is splatted.
+//! that gradient's magnitude. What is classified before is shaded at the voxel or point, by the direction in which the eye sees it, and its light is splatted.
+//! Scattered points have the gradient of their sum, Σ wₖ vₖ ∇Wₖ: in a sheet its mean over what supports cover, in closed form, as the value is a mean; at a
+//! point classified before, and at a first hit, the gradient there. Errors fall with the square of the distance of sheets, and by the order 1 where supports end.
 //! Emission given on its own reflects nothing, and factors on opacity leave it as it is.
 //!
 //! # Filters
@@ -75,9 +77,8 @@
 //! Vacuum is known to a sheet, and errors at its faces fall with the distance of sheets by the order 1; so with `average` there.
 //!
 //! # What cannot be drawn
-//! Answered by [`vr_core::RenderError::Unsupported`]: shading and opacity by the gradient of scattered points; the volume's own sheets of points, which have
-//! no layers; another kernel for points than their own, or beside a filter of the scene that is not trilinear, for a voxel is spread by one of them; the
-//! B-spline but of values in sheets parallel to the image, for its coefficients are a field only all together; analytic gradients of voxels on their own
+//! Answered by [`vr_core::RenderError::Unsupported`]: the volume's own sheets of points, which have no layers; another kernel for points than their own, or
+//! beside a filter of the scene that is not trilinear, for a voxel is spread by one of them; the B-spline but of values in sheets parallel to the image, for its coefficients are a field only all together; analytic gradients of voxels on their own
 //! under linear weights or cones, which have a kink there, and in the volume's own sheets, which have no slope across their layer; of
 //! what is classified before it is splatted, maximum, minimum, average and first: light has no value to compare; back to front but of the volume's own
 //! sheets under `over`, where frames have no depth. Options that have no effect beside the others (`sigma` of what is no Gaussian,
@@ -91,19 +92,24 @@ mod classified;
 mod finish;
 mod ghosts;
 mod gradient_optics;
+mod grid_gradients;
 mod hard_cases;
 mod input;
 mod kernel;
 mod kernel_sum;
 mod model;
 mod options;
+mod point_gradients;
+mod point_lights;
 mod prepared;
 mod projection;
 mod ramps;
 mod renderer;
+mod sample_shader;
 mod section_table;
 mod shading;
 mod sheets;
+mod sight;
 mod source;
 mod splat;
 mod splatter;

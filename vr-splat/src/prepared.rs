@@ -16,8 +16,10 @@ use crate::capabilities::{check, check_view};
 use crate::classified::{Classified, Visible};
 use crate::finish::Picture;
 use crate::ghosts::Ghosts;
+use crate::gradient_optics::GradientOptics;
 use crate::input::{SplatInput, offset, profile};
 use crate::model::SplatModel;
+use crate::point_lights::{GradientsAtPoints, point_lights};
 use crate::projection::SplatView;
 use crate::shading::Shader;
 use crate::sheets::{ImageSheets, MIN_MET, OwnSheets};
@@ -54,7 +56,19 @@ impl PreparedSplatter {
         let classified =
             stats.time("classify", || control.run(|| Classified::new(&renderer, scene, &input, ghosts.as_ref())));
         let (scene, level) = (scene.clone(), Level::new());
-        Ok(Self { given, renderer, scene, input, level, kernel, classified, ghosts, stats })
+        let mut made = Self { given, renderer, scene, input, level, kernel, classified, ghosts, stats };
+        made.prepare_gradients(control);
+        Ok(made)
+    }
+
+    /// Finds the gradients at points that the scene's light depends on, so that the first frame does not pay for them.
+    fn prepare_gradients(&mut self, control: &Control) {
+        let SplatInput::Points(points) = &self.input else { return };
+        if self.renderer.splats_light() && GradientOptics::new(&self.scene).is_some() {
+            self.stats.time("gradients", || control.run(|| GradientsAtPoints::of(points)));
+        } else if self.scene.reflection().is_some() && !self.scene.compositing.integrates_light() {
+            self.stats.time("gradients", || control.run(|| points.prepare_derived()));
+        }
     }
 }
 
@@ -73,6 +87,7 @@ impl Prepared for PreparedSplatter {
             self.classified = self.stats.time("classify", || control.run(make));
         }
         (self.scene, self.input) = (scene.clone(), input);
+        self.prepare_gradients(control);
         Ok(())
     }
 
@@ -156,7 +171,7 @@ impl LatticeVisitor for DrawGrid<'_> {
         let source = GridSplats::new(lattice, voxels, &splat_view, grid.placement(), spread, sheets, numbers);
         let layers = own.as_ref().map(|own| (own.axis, own.layers.as_slice()));
         let light = match &lights {
-            Some(lights) => SplatLight::OfVoxel(&lights.rows),
+            Some(lights) => SplatLight::OfSample(&lights.rows),
             None => SplatLight::OfValue(&prepared.classified.light),
         };
         let drawing = Drawing { source: &source, splat_view: &splat_view, layers, cells, light };
@@ -174,8 +189,19 @@ impl PreparedSplatter {
         stats: &mut RenderStats,
     ) -> Result<Frame, RenderError> {
         let splat_view = self.splat_view(view)?;
-        let source = PointSplats { points, visible, view: &splat_view, low_pass: self.renderer.low_pass };
-        let light = SplatLight::OfValue(&self.classified.light);
+        // Where gradients have a part in it, light of points is found for the view.
+        let lights = if self.renderer.splats_light() {
+            let make = || control.run(|| point_lights(&self.scene, points, visible, view, self.level));
+            stats.time("light", make)?
+        } else {
+            None
+        };
+        let (low_pass, numbered) = (self.renderer.low_pass, lights.is_some());
+        let source = PointSplats { points, visible, view: &splat_view, low_pass, numbered };
+        let light = match &lights {
+            Some(rows) => SplatLight::OfSample(rows),
+            None => SplatLight::OfValue(&self.classified.light),
+        };
         let drawing = Drawing { source: &source, splat_view: &splat_view, layers: None, cells: None, light };
         self.draw(view, &drawing, control, stats)
     }
@@ -212,7 +238,7 @@ impl PreparedSplatter {
             scene.transfer.step(calibration.value(f64::from(stored)), f64::from(length)).map(|x| x as f32)
         };
         // A picked value is shaded once, at its place.
-        let shader = grid.and_then(|grid| Shader::new(renderer, scene, grid, calibration));
+        let shader = Shader::new(renderer, scene, input, calibration, splat_view);
         // Everything that tiles share.
         let painter = Painter {
             view: splat_view,

@@ -11,7 +11,8 @@ pub(crate) struct SplatView {
     pub(crate) rays: Rays,
     pub(crate) size: [u32; 2],
     eye: DVec3,
-    frame: DMat3,
+    /// To the right, up, and along the view, in the world.
+    pub(crate) frame: DMat3,
     pub(crate) perspective: bool,
     /// World length of a unit.
     pub(crate) unit: f64,

@@ -9,7 +9,7 @@ pub(crate) struct Splat {
     pub(crate) scale: f32,
     /// Factor of the kernel of unit integral in kernel space.
     pub(crate) weight: f32,
-    /// Stored number, less the volume's smallest: sums of such numbers round less. Where the light of each voxel is known, the bits of the voxel's
+    /// Stored number, less the volume's smallest: sums of such numbers round less. Where the light of each voxel or point is known, the bits of its
     /// number: whole numbers below 2³¹ − 2²³, none of which is a NaN.
     pub(crate) value: f32,
 }

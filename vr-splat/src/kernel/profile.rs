@@ -140,8 +140,8 @@ impl Radial {
         matches!(self.form, Form::Cone | Form::Point(PointKernel::Cone))
     }
 
-    /// W'(t), for t ≥ 0, of a kernel of a grid.
-    fn slope(&self, t: f64) -> f64 {
+    /// W'(t)/t, for t ≥ 0; 0 in the middle of a cone, which has no gradient there.
+    fn slope_by_distance(&self, t: f64) -> f64 {
         if t >= 1.0 {
             return 0.0;
         }
@@ -149,10 +149,11 @@ impl Radial {
             * match self.form {
                 Form::Gaussian(deviations) => {
                     let square = deviations * deviations;
-                    -square * t * libm::exp(-0.5 * square * t * t)
+                    -square * libm::exp(-0.5 * square * t * t)
                 }
-                Form::Cone => -1.0,
-                Form::Point(_) => unreachable!("points have gradients of their own"),
+                Form::Cone if t > 0.0 => -1.0 / t,
+                Form::Cone => 0.0,
+                Form::Point(kernel) => kernel.slope_by_distance(t),
             }
     }
 
@@ -182,6 +183,16 @@ impl Radial {
 
     /// ∫ W from 0 to z along a line that passes the middle at a distance b; odd in z, and constant from the edge on.
     pub(crate) fn along_line(&self, b: f64, z: f64) -> f64 {
+        self.integral(b, z, |t| self.at(t))
+    }
+
+    /// ∫ W'(t)/t along the same line: the factor of its nearest place in the integral of the gradient.
+    pub(crate) fn slope_along_line(&self, b: f64, z: f64) -> f64 {
+        self.integral(b, z, |t| self.slope_by_distance(t))
+    }
+
+    /// ∫ of a function of the distance t along that line.
+    fn integral(&self, b: f64, z: f64, of: impl Fn(f64) -> f64) -> f64 {
         if b >= 1.0 {
             return 0.0;
         }
@@ -192,7 +203,7 @@ impl Radial {
             Form::Point(PointKernel::CubicSpline) if b < 0.5 => ((0.5 - b) * (0.5 + b)).sqrt().min(end),
             _ => 0.0,
         };
-        let value = |s: f64| self.at((b * b + s * s).sqrt());
+        let value = |s: f64| of((b * b + s * s).sqrt());
         // A kink at the middle shows as one of s where b is small: s = b sinh u makes it smooth.
         let part = |from: f64, to: f64| {
             if b < 1e-12 {
@@ -201,7 +212,7 @@ impl Radial {
             let [u, v] = [from, to].map(|s| libm::asinh(s / b));
             quadrature(u, v, 8, |u| b * libm::cosh(u) * value(b * libm::sinh(u)))
         };
-        (part(0.0, inner) + part(inner, end)).copysign(z)
+        (part(0.0, inner) + part(inner, end)) * 1f64.copysign(z)
     }
 }
 
@@ -287,11 +298,11 @@ impl Profile {
         }
     }
 
-    /// The kernel at a place, and its slopes; at a kink the mean of both sides' slopes, of a kernel of a grid.
+    /// The kernel at a place, and its slopes; at a kink the mean of both sides' slopes.
     pub(crate) fn with_slope(&self, t: [f64; 3]) -> (f64, [f64; 3]) {
         if let Self::Radial(radial) = self {
             let distance = (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).sqrt();
-            let by_distance = if distance > 0.0 { radial.slope(distance) / distance } else { 0.0 };
+            let by_distance = radial.slope_by_distance(distance);
             return (radial.at(distance), t.map(|x| by_distance * x));
         }
         let along = t.map(|t| self.along_axis(t));

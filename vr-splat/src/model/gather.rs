@@ -93,7 +93,7 @@ pub(crate) struct ExactSplat {
     /// A calibrated value.
     pub(crate) value: f64,
     pub(crate) sheet: u32,
-    /// A voxel's place in its grid.
+    /// A voxel's place in its grid; a point's number first.
     pub(crate) index: [usize; 3],
 }
 
@@ -119,6 +119,22 @@ impl ExactSplat {
         let [at, along] = self.meet(line);
         let [from, to] = [from, to].map(|d| (d - self.place.z).clamp(-1e12, 1e12));
         profile.integral(at.to_array(), along.to_array(), from, to) * line.stretch * self.weight
+    }
+
+    /// ∫ of the gradient of its value times its kernel, which is radial, between two depths: along the view's axes, and over a length in the world.
+    pub(crate) fn gradient_section(&self, profile: &Profile, line: &Line, from: f64, to: f64) -> DVec3 {
+        let Profile::Radial(radial) = profile else { return DVec3::ZERO };
+        let [at, along] = self.meet(line);
+        let speed = along.length();
+        let direction = along / speed;
+        let ahead = at.dot(direction);
+        let across = at - direction * ahead;
+        let b = across.length();
+        let edge = (1.0 - b * b).max(0.0).sqrt();
+        let [from, to] = [from, to].map(|d| ((d - self.place.z) * speed + ahead).clamp(-edge, edge));
+        let turn = radial.slope_along_line(b, to) - radial.slope_along_line(b, from);
+        let rise = radial.at(b.hypot(to)) - radial.at(b.hypot(from));
+        (across * turn + direction * rise) * self.weight * self.value
     }
 
     /// Its kernel at a depth.
@@ -178,7 +194,7 @@ pub(crate) fn gather(
                     weight: f64::from(points.weights()[k]) / (radius * radius * radius),
                     value: f64::from(points.values()[k]),
                     sheet: 0,
-                    index: [0; 3],
+                    index: [k, 0, 0],
                 }
             };
             let met = |s: &ExactSplat| {

@@ -11,13 +11,13 @@ use vr_core::{Compositing, Control, DiscreteModel, IndexRay, Layer, Ray, Rays, R
 
 use crate::ghosts::Ghosts;
 use crate::gradient_optics::GradientOptics;
+use crate::grid_gradients::{Gradients, world_gradient};
 use crate::input::{SplatInput, profile};
 use crate::kernel::Profile;
 use crate::projection::SplatView;
-use crate::shading::{Gradients, world_gradient};
 use crate::sheets::{AT_LAYER, ImageSheets, MIN_MET, OwnSheets, is_boxed, splat_view};
+use crate::sight::Sight;
 use crate::splatter::{Buffers, CompositingOrder, Splatter};
-use crate::voxel_lights::Sight;
 use crate::voxel_optics::optics_of;
 
 use gather::{ExactSplat, Line, gather};
@@ -27,8 +27,8 @@ use gather::{ExactSplat, Line, gather};
 pub(crate) enum Part {
     /// θ and b of what was classified before.
     Light(SegmentTerm),
-    /// A value over a length, at a depth.
-    Value { value: f64, length: f64, depth: f64 },
+    /// A value over a length, at a depth; and the gradient in the world, where the light of points depends on it.
+    Value { value: f64, length: f64, depth: f64, gradient: Option<DVec3> },
     /// Nothing, in a cell that is missing.
     Vacuum,
 }
@@ -95,11 +95,16 @@ impl SplatModel {
     }
 
     /// θ and b of a homogeneous piece of a value, classified and shaded at a depth.
-    fn step(&self, line: &Line, depth: f64, value: f64, length: f64) -> SegmentTerm {
+    fn step(&self, line: &Line, depth: f64, value: f64, length: f64, gradient: Option<DVec3>) -> SegmentTerm {
         let mut light = self.scene.transfer.step(value, length);
-        if let (Some(optics), SplatInput::Grid(grid)) = (GradientOptics::new(&self.scene), &self.input) {
-            let place = line.index_at(grid, depth).to_array();
-            let world = world_gradient(grid, Gradients::new(&optics.shading, &self.renderer, grid).at(grid, place));
+        if let Some(optics) = GradientOptics::new(&self.scene) {
+            let world = match (&self.input, gradient) {
+                (SplatInput::Grid(grid), _) => {
+                    let place = line.index_at(grid, depth).to_array();
+                    world_gradient(grid, Gradients::new(&optics.shading, &self.renderer, grid).at(grid, place))
+                }
+                (SplatInput::Points(_), gradient) => gradient.unwrap_or_default(),
+            };
             if optics.follows {
                 light = optics.step(value, world.length(), length);
             }
@@ -114,17 +119,25 @@ impl SplatModel {
 
     /// (q, κ) of a splat that is classified itself, per world unit.
     fn optics(&self, splat: &ExactSplat) -> [f64; 4] {
-        let (Some(optics), SplatInput::Grid(grid)) = (GradientOptics::new(&self.scene), &self.input) else {
+        let Some(optics) = GradientOptics::new(&self.scene) else {
             return optics_of(&self.scene.transfer, splat.value);
         };
-        let place = splat.index.map(|x| x as f64);
-        let world = world_gradient(grid, Gradients::new(&optics.shading, &self.renderer, grid).at(grid, place));
+        let (place, world) = match &self.input {
+            SplatInput::Grid(grid) => {
+                let index = splat.index.map(|x| x as f64);
+                let gradient = Gradients::new(&optics.shading, &self.renderer, grid).at(grid, index);
+                (grid.placement().to_world(DVec3::from_array(index)), world_gradient(grid, gradient))
+            }
+            SplatInput::Points(points) => {
+                let place = points.positions()[splat.index[0]];
+                (place, points.gradient(place).unwrap_or_default())
+            }
+        };
         let row = optics.of_voxel(splat.value, world.length());
         if !optics.reflects {
             return row;
         }
-        let towards = self.sight.towards(grid.placement().to_world(DVec3::from_array(place)));
-        optics.shading.along(&self.scene.lights, towards).shade(row, world.to_array())
+        optics.shading.along(&self.scene.lights, self.sight.towards(place)).shade(row, world.to_array())
     }
 
     /// All that the ray through a point of the image meets, in the order of compositing.
@@ -148,7 +161,7 @@ impl SplatModel {
                 let one = |s: &ExactSplat| {
                     if picks {
                         // On its own, a sample has its own value wherever its kernel is met.
-                        return Part::Value { value: s.value, length: whole(s), depth: s.place.z };
+                        return Part::Value { value: s.value, length: whole(s), depth: s.place.z, gradient: None };
                     }
                     Part::Light(self.lit(std::iter::once((s, whole(s)))))
                 };
@@ -169,7 +182,7 @@ impl SplatModel {
                     let depth = own.as_ref().map_or(0.0, |own| line.depth_at(own.axis, own.layers[*turn as usize]));
                     // Where a sheet is sampled there may be nothing.
                     if length > 0.0 && !line.in_vacuum(input, depth, AT_LAYER) {
-                        Part::Value { value: sum / length, length, depth }
+                        Part::Value { value: sum / length, length, depth, gradient: None }
                     } else {
                         Part::Vacuum
                     }
@@ -188,7 +201,7 @@ impl DiscreteModel for SplatModel {
         let Some(ends) = self.ends(&ray, &line) else { return Vec::new() };
         let term = |part: Part| match part {
             Part::Light(term) => term,
-            Part::Value { value, length, depth } => self.step(&line, depth, value, length),
+            Part::Value { value, length, depth, gradient } => self.step(&line, depth, value, length, gradient),
             Part::Vacuum => Self::term([0.0; 3], 0.0),
         };
         let mut terms: Vec<SegmentTerm> = self.parts(&line, ends).into_iter().map(term).collect();
@@ -218,6 +231,7 @@ impl SplatModel {
         let Self { input, seen, .. } = self;
         let Ok(sheets) = ImageSheets::new(&self.renderer, &self.scene.volume, input, seen) else { return Vec::new() };
         let half = seen.half_depth();
+        let sloped = matches!(input, SplatInput::Points(_)) && GradientOptics::new(&self.scene).is_some();
         // The splats that each sheet has a section of.
         let mut parts: BTreeMap<u32, Vec<&ExactSplat>> = BTreeMap::new();
         for s in splats {
@@ -263,8 +277,12 @@ impl SplatModel {
                 let covered = (back - front).max(0.0) * line.stretch;
                 (covered, covered)
             };
+            // The mean over what is covered, as that of the value is.
+            let sections = parts.iter().map(|s| s.gradient_section(profile, line, from, to));
+            let sloped = sloped && divisor > 0.0;
+            let gradient = sloped.then(|| seen.frame * sections.sum::<DVec3>() / divisor);
             if divisor > 0.0 && !line.in_vacuum(input, middle, 0.0) {
-                found.push(Part::Value { value: sum / divisor, length, depth: middle });
+                found.push(Part::Value { value: sum / divisor, length, depth: middle, gradient });
             } else if divisor > 0.0 {
                 found.push(Part::Vacuum);
             }

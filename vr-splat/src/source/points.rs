@@ -13,6 +13,8 @@ pub(crate) struct PointSplats<'a> {
     pub(crate) visible: &'a [u32],
     pub(crate) view: &'a SplatView,
     pub(crate) low_pass: f64,
+    /// True if splats carry their numbers among the visible points in the place of values.
+    pub(crate) numbered: bool,
 }
 
 /// Points to a chunk.
@@ -29,8 +31,8 @@ impl Source for PointSplats<'_> {
 
     fn splats(&self, chunk: usize, emit: &mut dyn FnMut(Splat, u32)) {
         let last = ((chunk + 1) * CHUNK).min(self.visible.len());
-        for &k in &self.visible[chunk * CHUNK..last] {
-            let k = k as usize;
+        for i in chunk * CHUNK..last {
+            let k = self.visible[i] as usize;
             let place = self.view.place(self.points.positions()[k]);
             let mut radius = f64::from(self.points.radii()[k]);
             if self.low_pass > 0.0 {
@@ -41,7 +43,7 @@ impl Source for PointSplats<'_> {
                     place: place.as_vec3().to_array(),
                     scale: (self.view.unit / radius) as f32,
                     weight: (f64::from(self.points.weights()[k]) / (radius * radius * radius)) as f32,
-                    value: self.points.values()[k],
+                    value: if self.numbered { f32::from_bits(i as u32) } else { self.points.values()[k] },
                 },
                 0,
             );

@@ -20,8 +20,9 @@ pub(crate) struct Block {
     pub(crate) across: [Lanes; 2],
     /// 1 / |N|².
     pub(crate) inverse_square: Lanes,
-    /// |N|.
+    /// |N|, and 1 over that.
     pub(crate) speed: Lanes,
+    pub(crate) inverse_speed: Lanes,
     /// World length per unit of depth.
     pub(crate) stretch: Lanes,
     /// Depths behind the view's base between which there may be something; the wrong way round where there is nothing.
@@ -50,6 +51,7 @@ impl Block {
         across: [Lanes::ZERO; 2],
         inverse_square: Lanes::ZERO,
         speed: Lanes::ZERO,
+        inverse_speed: Lanes::ZERO,
         stretch: Lanes::ZERO,
         near: Lanes::ZERO,
         far: Lanes::ZERO,
@@ -74,6 +76,7 @@ impl Block {
             (self.across[0].0[i], self.across[1].0[i]) = (axes.x_axis.dot(n) as f32, axes.y_axis.dot(n) as f32);
             self.inverse_square.0[i] = (1.0 / square) as f32;
             self.speed.0[i] = square.sqrt() as f32;
+            self.inverse_speed.0[i] = (1.0 / square.sqrt()) as f32;
             self.stretch.0[i] = stretch[i] as f32;
         }
         let far = pixels.map(|[x, y]| match bounds.layer {

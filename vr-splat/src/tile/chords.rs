@@ -1,14 +1,17 @@
-//! Sections of points in sheets parallel to the image: one look-up for a chord, and a polynomial for each sheet that it goes through.
+//! Sections of points in sheets parallel to the image: one look-up for a chord, and a polynomial for each sheet that it goes through. Where light depends on
+//! gradients, those of the sections, too.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 use vr_kernels::vector::{pick, splat};
 
-use crate::chord_table::{ChordCourse, ChordTable};
+use crate::chord_table::{Chord, ChordCourse, ChordTable};
+use crate::point_gradients::{GradientCourse, GradientSum};
 use crate::splat::Splat;
 
 use super::Tile;
 use super::footprint::Passing;
+use super::sheets::Section;
 
 /// Chords of sixteen rays through a kernel.
 struct Chords<S: Simd> {
@@ -16,21 +19,72 @@ struct Chords<S: Simd> {
     nearest: f32x16<S>,
     /// 1 over half their lengths in depth; 0 for rays that miss the kernel.
     per_half: f32x16<S>,
+    gradients: Option<ChordGradients<S>>,
+}
+
+/// Gradients along chords, but for the splat's weight.
+struct ChordGradients<S: Simd> {
+    course: GradientCourse<S>,
+    /// From the splat to the nearest places of the rays, in radii.
+    across: [f32x16<S>; 3],
+    /// Unit vectors along the rays.
+    along: [f32x16<S>; 3],
+    /// Half the lengths of the chords, in radii.
+    half: f32x16<S>,
+}
+
+/// Integrals from the middle of chords up to a depth.
+#[derive(Clone, Copy)]
+struct UpTo<S: Simd> {
+    /// ∫ W.
+    whole: f32x16<S>,
+    /// Of the gradient, where that is asked for.
+    gradient: Option<GradientSum<S>>,
 }
 
 impl<S: Simd> Chords<S> {
-    /// ∫ W up to a depth, from the chord's middle.
+    /// Integrals up to a depth.
     #[inline(always)]
-    fn up_to(&self, simd: S, depth: f32x16<S>) -> f32x16<S> {
+    fn up_to(&self, simd: S, depth: f32x16<S>) -> UpTo<S> {
         let u = (depth - self.nearest) * self.per_half;
-        self.course.up_to(simd, u.max(splat(simd, -1.0)).min(splat(simd, 1.0)))
+        self.up_to_part(simd, u.max(splat(simd, -1.0)).min(splat(simd, 1.0)))
+    }
+
+    /// Integrals up to a part of half the chord.
+    #[inline(always)]
+    fn up_to_part(&self, simd: S, u: f32x16<S>) -> UpTo<S> {
+        let whole = self.course.up_to(simd, u);
+        #[expect(
+            clippy::manual_map,
+            reason = "a closure is not compiled for the vectors' instructions where it is not inlined"
+        )]
+        let gradient = match &self.gradients {
+            Some(gradients) => Some(gradients.course.up_to(simd, u * gradients.half, whole)),
+            None => None,
+        };
+        UpTo { whole, gradient }
+    }
+
+    /// ∫ of the gradient between two depths, times the splat's weight; `None` where it is not asked for.
+    #[inline(always)]
+    fn gradient(&self, before: &UpTo<S>, after: &UpTo<S>, weight: f32) -> Option<[f32x16<S>; 3]> {
+        let (Some(gradients), Some(before), Some(after)) = (&self.gradients, before.gradient, after.gradient) else {
+            return None;
+        };
+        let turn = (after.across - before.across) * weight;
+        let rise = (after.along - before.along) * weight;
+        let mut sum = gradients.across;
+        for a in 0..3 {
+            sum[a] = gradients.across[a] * turn + gradients.along[a] * rise;
+        }
+        Some(sum)
     }
 }
 
 impl Tile<'_> {
-    /// Adds what lies in each of some sheets of a splat.
+    /// Adds what lies in each of some sheets of a splat, and its gradient where `GRADIENTS` is set and the light depends on it.
     #[inline(always)]
-    pub(super) fn add_chords<S: Simd>(
+    pub(super) fn add_chords<const GRADIENTS: bool, S: Simd>(
         &mut self,
         simd: S,
         table: &ChordTable,
@@ -42,38 +96,56 @@ impl Tile<'_> {
         let painter = self.painter;
         let block = &self.blocks[number];
         let (near, far) = (block.near.load(simd), block.far.load(simd));
+        // The chords of the rays, and the courses of the kernel along them.
         let Some(passing) = Passing::new(simd, &self.axes, block, at) else { return };
-        let factor = block.stretch.load(simd) * at.weight / passing.speed;
-        let [enter, leave] = passing.chord(simd);
+        // Divisions are for the block, for the splat and one for the chord.
+        let radius = 1.0 / at.scale;
+        let per_speed = block.inverse_speed.load(simd) * radius;
+        let factor = block.stretch.load(simd) * per_speed * at.weight;
+        let chord = Chord::new(simd, passing.distance);
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let half = (leave - enter) * 0.5;
-        let meets = half.simd_gt(zero);
-        let per_half = pick(meets, one / pick(meets, half, one), zero);
-        let chords = Chords { course: table.at(simd, passing.distance), nearest: passing.nearest, per_half };
+        let (half, meets) = (chord.half * per_speed, chord.half.simd_gt(zero));
+        let (enter, leave) = (passing.nearest - half, passing.nearest + half);
+        // Rays that miss the kernel never enter it, and have left it.
+        let enter = pick(meets, enter, splat(simd, f32::INFINITY));
+        let leave = pick(meets, leave, splat(simd, f32::NEG_INFINITY));
+        let gradient = if GRADIENTS { painter.summed_gradient() } else { None };
+        let gradients = match gradient {
+            Some(gradient) => {
+                let speed = block.speed.load(simd);
+                let mut along = [zero; 3];
+                for a in 0..3 {
+                    along[a] = block.along[a].load(simd) / speed;
+                }
+                let across = passing.across(simd, &self.axes, block, at);
+                let course = gradient.along(simd, passing.distance);
+                Some(ChordGradients { course, across, along, half: chord.half })
+            }
+            None => None,
+        };
+        let chords = Chords {
+            course: table.at(simd, &chord),
+            nearest: passing.nearest,
+            per_half: chord.per_half * passing.speed,
+            gradients,
+        };
+        // Sections from sheet to sheet: differences of integrals up to their faces, half the whole chord's before it and behind it.
+        let (from_start, to_end) = (chords.up_to_part(simd, -one), chords.up_to_part(simd, one));
         let mut start = splat(simd, first as f32 * painter.distance).max(near).min(far);
-        // ∫ up to `start`; `None` before it is known.
-        let (mut before, mut known) = (zero, false);
+        let mut before = if start.simd_gt(enter).any_true() { chords.up_to(simd, start) } else { from_start };
+        // Sheets that these chords miss are not left out: a branch that depends on chords costs more than a section of nothing.
         for sheet in first..=last {
             let end = splat(simd, (sheet + 1) as f32 * painter.distance).max(near).min(far);
-            if !enter.max(start).simd_lt(leave.min(end)).any_true() {
-                (start, known) = (end, false);
-                continue;
-            }
-            let after = chords.up_to(simd, end);
-            // Kernels of points are nowhere negative; polynomials and rounding might be.
-            if !known {
-                before = chords.up_to(simd, start);
-            }
-            let section = (after - before).max(zero) * factor;
-            (before, known) = (after, true);
-            self.add_section(
-                simd,
-                [sheet as usize, number],
-                section,
-                (at.value, optics),
-                Some([[start, end], [enter, leave]]),
-            );
-            start = end;
+            let is_end = sheet == last && !leave.simd_gt(end).any_true();
+            let after = if is_end { to_end } else { chords.up_to(simd, end) };
+            let section = Section {
+                // Kernels of points are nowhere negative; polynomials and rounding might be.
+                whole: (after.whole - before.whole).max(zero) * factor,
+                reach: Some([[start, end], [enter, leave]]),
+                gradient: chords.gradient(&before, &after, at.weight),
+            };
+            self.add_section(simd, [sheet as usize, number], section, (at.value, optics));
+            (before, start) = (after, end);
         }
     }
 }

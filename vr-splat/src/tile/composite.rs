@@ -6,7 +6,7 @@ use vr_kernels::vector::{
     LANES, Lanes, Operator, StepOptics, opacity_of_depth, pick, source_weight, splat, step_light,
 };
 
-use crate::shading::Pieces;
+use crate::shading::{Pieces, Slope};
 use crate::sheets::AT_LAYER;
 
 use super::Tile;
@@ -45,7 +45,8 @@ impl Tile<'_> {
                 if !there.any_true() {
                     return;
                 }
-                let value = sum / pick(there, divisor, one);
+                let divisor = pick(there, divisor, one);
+                let value = sum / divisor;
                 let inside = there;
                 // Nothing is taken from cells in which nothing can be seen.
                 if let Some(cells) = cells {
@@ -90,9 +91,18 @@ impl Tile<'_> {
                     Some(shader) if follows || light[3].simd_gt(zero).any_true() => {
                         let mut lanes =
                             [Lanes::new(light[0]), Lanes::new(light[1]), Lanes::new(light[2]), Lanes::new(light[3])];
-                        let place = self.place(simd, number, depth);
+                        let slope = if *normalised {
+                            Slope::At(self.place(simd, number, depth))
+                        } else {
+                            // Values per unit of the view.
+                            let mut mean = [Lanes::ZERO; 3];
+                            for a in 0..3 {
+                                mean[a] = Lanes::new(self.sheets[at + 3 + a].load(simd) / (divisor * per_unit));
+                            }
+                            Slope::Known(mean)
+                        };
                         let (value, length) = (Lanes::new(value), Lanes::new(length));
-                        let pieces = Pieces { place, value, length, optics: step };
+                        let pieces = Pieces { slope, value, length, optics: step };
                         shader.shade(simd, &self.lights[number], &pieces, &mut lanes);
                         [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)]
                     }

@@ -134,6 +134,19 @@ impl<S: Simd> Passing<S> {
         })
     }
 
+    /// Vectors from the splat to the places of the rays that are nearest to it, in kernel space.
+    #[inline(always)]
+    pub(crate) fn across(&self, simd: S, axes: &Axes, block: &Block, at: &Splat) -> [f32x16<S>; 3] {
+        let [u, v] = beside(simd, axes, block, at);
+        let ahead = self.nearest - at.place[2];
+        let [x, y] = axes.across;
+        let mut across = [u; 3];
+        for a in 0..3 {
+            across[a] = (u * x[a] + v * y[a] + block.along[a].load(simd) * ahead) * at.scale;
+        }
+        across
+    }
+
     /// The depths at which the rays enter the kernel and leave it; the same twice where they miss it.
     #[inline(always)]
     pub(crate) fn chord(&self, simd: S) -> [f32x16<S>; 2] {

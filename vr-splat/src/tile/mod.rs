@@ -44,9 +44,11 @@ impl Vectorized for TileJob<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Drawn {
         let painter = self.painter;
+        let channels = painter.channels();
         let slots = if painter.buffers == Buffers::Image { painter.ring as usize } else { 1 };
         let mut tile = Tile {
             painter,
+            channels,
             axes: Axes::new(painter.view),
             column: self.column,
             row: self.row,
@@ -55,7 +57,7 @@ impl Vectorized for TileJob<'_> {
             lights: vec![PacketLights::default(); if painter.shader().is_some() { BLOCKS } else { 0 }],
             ready: 0,
             done: 0,
-            sheets: vec![Lanes::ZERO; slots * BLOCKS * painter.channels()],
+            sheets: vec![Lanes::ZERO; slots * BLOCKS * channels],
             touched: vec![0; slots],
             work: Work::default(),
         };
@@ -72,6 +74,8 @@ impl Vectorized for TileJob<'_> {
 /// A tile that is being drawn.
 struct Tile<'a> {
     painter: &'a Painter<'a>,
+    /// Numbers that a sheet holds of a pixel.
+    channels: usize,
     axes: Axes,
     column: u32,
     row: u32,
@@ -101,7 +105,7 @@ impl Tile<'_> {
     /// The first channel of a slot in a block.
     #[inline(always)]
     fn place_of(&self, slot: usize, number: usize) -> usize {
-        (number * self.touched.len() + slot) * self.painter.channels()
+        (number * self.touched.len() + slot) * self.channels
     }
 
     /// The blocks that a splat may reach.

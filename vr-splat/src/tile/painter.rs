@@ -4,6 +4,7 @@ use fearless_simd::Level;
 use vr_kernels::vector::{LANES, Operator, OpticsTable};
 
 use crate::bins::Keyed;
+use crate::point_gradients::PointGradient;
 use crate::projection::SplatView;
 use crate::ramps::Ramps;
 use crate::shading::Shader;
@@ -41,7 +42,7 @@ pub(crate) struct Painter<'a> {
 
 /// Content of sheets.
 pub(crate) enum Content<'a> {
-    /// Values, and their divisors; classified sheet by sheet.
+    /// Values, and their divisors or the lengths that are covered, and where light depends on the gradient of points, that; classified sheet by sheet.
     Values {
         classifier: Classifier<'a>,
         /// True if weights are divided out (of a grid), or the length that supports cover (of points): from the first one's front to the last one's
@@ -74,7 +75,7 @@ pub(crate) enum SplatLight<'a> {
     /// By the value that a splat carries.
     OfValue(&'a VoxelOptics),
     /// By the number that it carries, as bits: see [`Splat::value`](crate::splat::Splat::value).
-    OfVoxel(&'a [[f32; 4]]),
+    OfSample(&'a [[f32; 4]]),
 }
 
 impl SplatLight<'_> {
@@ -83,7 +84,7 @@ impl SplatLight<'_> {
     pub(super) fn at(&self, carried: f32) -> [f32; 4] {
         match self {
             Self::OfValue(optics) => optics.at(carried),
-            Self::OfVoxel(rows) => rows[carried.to_bits() as usize],
+            Self::OfSample(rows) => rows[carried.to_bits() as usize],
         }
     }
 }
@@ -145,9 +146,16 @@ impl Painter<'_> {
         }
     }
 
+    /// The gradient of points' kernels, where sheets sum it.
+    #[inline(always)]
+    pub(super) fn summed_gradient(&self) -> Option<PointGradient> {
+        self.shader().and_then(Shader::summed)
+    }
+
     pub(super) fn channels(&self) -> usize {
         match self.content {
             Content::Values { normalised: true, .. } => 2,
+            Content::Values { shader: Some(_), .. } => 6,
             Content::Values { .. } => 3,
             Content::Light(_) => 4,
             Content::Sums => 0,

@@ -12,6 +12,16 @@ use super::Tile;
 use super::footprint::{Crossing, FootprintKernel, Passing};
 use super::painter::Content;
 
+/// The part of a splat in a sheet, for sixteen rays.
+pub(super) struct Section<S: Simd> {
+    /// ∫ of its kernel, in world units; in the middle of the sheet the kernel itself, where weights are divided out.
+    pub(super) whole: f32x16<S>,
+    /// The depths of the sheet's faces, and of the support's ends, where what is covered matters.
+    pub(super) reach: Option<[[f32x16<S>; 2]; 2]>,
+    /// ∫ of the kernel's gradient, along the view's axes, where light depends on it.
+    pub(super) gradient: Option<[f32x16<S>; 3]>,
+}
+
 impl Tile<'_> {
     /// Sheets parallel to the image: a ring of those that splats are still added to.
     #[inline(always)]
@@ -58,9 +68,14 @@ impl Tile<'_> {
             Content::Light(optics) => optics.at(splat_.value),
             _ => [0.0; 4],
         };
-        let channels = painter.channels();
+        let channels = self.channels;
         match painter.kernel {
-            FootprintKernel::Smooth(_, chords) => self.add_chords(simd, chords, number, splat_, optics, [first, last]),
+            FootprintKernel::Smooth(_, chords) if painter.summed_gradient().is_some() => {
+                self.add_chords::<true, S>(simd, chords, number, splat_, optics, [first, last]);
+            }
+            FootprintKernel::Smooth(_, chords) => {
+                self.add_chords::<false, S>(simd, chords, number, splat_, optics, [first, last]);
+            }
             // Differences of partial integrals from one sheet's face to the next.
             FootprintKernel::Radial(table) => {
                 let Some(passing) = Passing::new(simd, &self.axes, block, splat_) else { return };
@@ -72,15 +87,10 @@ impl Tile<'_> {
                     let end = splat(simd, (sheet + 1) as f32 * painter.distance).max(near).min(far);
                     let after = passing.up_to(simd, table, end);
                     // Radial kernels are nowhere negative; tables and rounding might be.
-                    let section = (after - before).max(splat(simd, 0.0)) * factor;
+                    let whole = (after - before).max(splat(simd, 0.0)) * factor;
                     before = after;
-                    self.add_section(
-                        simd,
-                        [sheet as usize, number],
-                        section,
-                        (splat_.value, optics),
-                        Some([[start, end], [enter, leave]]),
-                    );
+                    let section = Section { whole, reach: Some([[start, end], [enter, leave]]), gradient: None };
+                    self.add_section(simd, [sheet as usize, number], section, (splat_.value, optics));
                     start = end;
                 }
             }
@@ -97,30 +107,39 @@ impl Tile<'_> {
                         other => crossing.weight(simd, other, middle),
                     };
                     // Values are divided by weights: lengths, which may be 0, must not be in both.
-                    let section = if channels == 2 { weight } else { weight * factor * (end - start) };
+                    let whole = if channels == 2 { weight } else { weight * factor * (end - start) };
                     start = end;
-                    self.add_section(simd, [sheet as usize, number], section, (splat_.value, optics), None);
+                    let section = Section { whole, reach: None, gradient: None };
+                    self.add_section(simd, [sheet as usize, number], section, (splat_.value, optics));
                 }
             }
         }
     }
 
-    /// Adds a section to a sheet of a block. `reach`: the depths of the sheet's faces, and of the support's ends.
+    /// Adds a section to a sheet of a block.
     #[inline(always)]
     pub(super) fn add_section<S: Simd>(
         &mut self,
         simd: S,
         [sheet, number]: [usize; 2],
-        section: f32x16<S>,
+        section: Section<S>,
         (value, optics): (f32, [f32; 4]),
-        reach: Option<[[f32x16<S>; 2]; 2]>,
     ) {
         let slot = sheet & (self.painter.ring as usize - 1);
         let at = self.place_of(slot, number);
-        let channels = &mut self.sheets[at..at + self.painter.channels()];
-        add(simd, channels, section, value, optics);
-        if let ([_, to_back, to_front], Some([faces, support])) = (channels, reach) {
-            cover(simd, to_back, to_front, faces, support);
+        let channels = &mut self.sheets[at..at + self.channels];
+        add(simd, channels, section.whole, value, optics);
+        match (channels, section.reach) {
+            ([_, to_back, to_front], Some(reach)) => cover(simd, [to_back, to_front], reach),
+            ([_, to_back, to_front, x, y, z], Some(reach)) => {
+                cover(simd, [to_back, to_front], reach);
+                if let Some(gradient) = section.gradient {
+                    *x = Lanes::new(x.load(simd) + gradient[0] * value);
+                    *y = Lanes::new(y.load(simd) + gradient[1] * value);
+                    *z = Lanes::new(z.load(simd) + gradient[2] * value);
+                }
+            }
+            _ => {}
         }
         self.touched[slot] |= 1 << number;
     }
@@ -140,7 +159,7 @@ impl Tile<'_> {
         let of_image = painter.buffers == Buffers::Image;
         let slot = if of_image { (sheet & (painter.ring - 1)) as usize } else { 0 };
         let mut touched = std::mem::take(&mut self.touched[slot]);
-        let channels = painter.channels();
+        let channels = self.channels;
         let [front, back] = [sheet, sheet + 1].map(|k| k as f32 * painter.distance);
         while touched != 0 {
             let number = touched.trailing_zeros() as usize;
@@ -170,13 +189,7 @@ impl Tile<'_> {
 
 /// Takes note of what a support covers of a sheet: how far its front is from the sheet's back, and its back from the sheet's front.
 #[inline(always)]
-fn cover<S: Simd>(
-    simd: S,
-    to_back: &mut Lanes,
-    to_front: &mut Lanes,
-    [start, end]: [f32x16<S>; 2],
-    [enter, leave]: [f32x16<S>; 2],
-) {
+fn cover<S: Simd>(simd: S, [to_back, to_front]: [&mut Lanes; 2], [[start, end], [enter, leave]]: [[f32x16<S>; 2]; 2]) {
     let zero = splat(simd, 0.0);
     let (front, back) = (enter.max(start), leave.min(end));
     let covered = front.simd_lt(back);
@@ -190,12 +203,12 @@ pub(super) fn add<S: Simd>(simd: S, sheet: &mut [Lanes], section: f32x16<S>, val
     if let [sum, weight] = sheet {
         *sum = Lanes::new(sum.load(simd) + section * value);
         *weight = Lanes::new(weight.load(simd) + section);
-    } else if let [sum, _, _] = sheet {
-        *sum = Lanes::new(sum.load(simd) + section * value);
     } else if let [r, g, b, tau] = sheet {
         *r = Lanes::new(r.load(simd) + section * optics[0]);
         *g = Lanes::new(g.load(simd) + section * optics[1]);
         *b = Lanes::new(b.load(simd) + section * optics[2]);
         *tau = Lanes::new(tau.load(simd) + section * optics[3]);
+    } else if let [sum, ..] = sheet {
+        *sum = Lanes::new(sum.load(simd) + section * value);
     }
 }

@@ -19,7 +19,7 @@ impl Tile<'_> {
     #[inline(always)]
     pub(super) fn whole_splats<S: Simd>(&mut self, simd: S, splats: &[Keyed]) {
         let painter = self.painter;
-        let channels = painter.channels();
+        let channels = self.channels;
         let sums = matches!(painter.content, Content::Sums);
         let in_sheets = !sums && painter.buffers == Buffers::Axis;
         for (i, Keyed { key, splat: at }) in splats.iter().enumerate() {
