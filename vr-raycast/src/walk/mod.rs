@@ -101,7 +101,7 @@ impl Walk<'_> {
     }
 
     /// Returns the index-space positions of the last run's samples, where they do not lie on the ray.
-    pub(crate) fn places(&self) -> Option<&[[f64; 3]]> {
+    pub(crate) fn places(&mut self) -> Option<&[[f64; 3]]> {
         match self {
             Self::Listed(walk) => walk.places(),
             #[cfg(feature = "classics")]

@@ -155,14 +155,13 @@ impl BasePlane {
         (start < end).then_some(IndexRay { origin, direction, start, end, offset })
     }
 
-    /// Returns the voxel at a place of the template on the ray of a pixel, or the nearest one inside.
-    pub(crate) fn voxel(&self, pixel: [i64; 2], place: [f64; 3]) -> [f64; 3] {
-        let w = if self.reversed { (self.dims[2] - 1) as f64 - place[2] } else { place[2] };
-        let at = [pixel[0] as f64 + place[0], pixel[1] as f64 + place[1], w];
+    /// Returns the index-space position of the voxel so many index steps along u, v and w from a pixel, or of the nearest one inside.
+    pub(crate) fn voxel(&self, pixel: [i64; 2], steps: [i64; 3]) -> [f64; 3] {
+        let inside = |k: usize, i: i64| i.clamp(0, self.dims[k] as i64 - 1) as usize;
+        let at =
+            [inside(0, pixel[0] + steps[0]), inside(1, pixel[1] + steps[1]), self.slice_index(inside(2, steps[2]))];
         let mut voxel = [0.0; 3];
-        for (k, axis) in self.axes.into_iter().enumerate() {
-            voxel[axis] = at[k].clamp(0.0, (self.dims[k] - 1) as f64);
-        }
+        (0..3).for_each(|k| voxel[self.axes[k]] = at[k] as f64);
         voxel
     }
 

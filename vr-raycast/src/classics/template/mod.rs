@@ -188,15 +188,16 @@ impl<R: Real> Template<'_, R> {
         let Self { plane, volume, pipeline, .. } = self;
         let view = pipeline.view;
         let rows = in_parallel(control, view.size[1], |y| {
+            // Rays of one pixel.
+            let mut values = Vec::new();
             let pixel = |x: u32| {
-                let values: Vec<RaySample> = spots_of_pixel(view, [x, y])
-                    .map(|spot| {
-                        let (at, distance) = plane.meet(&pipeline.rays.at(spot.x, spot.y), volume.placement());
-                        let depth = (distance + f64::from(picture.nearest_depth(at))) as f32;
-                        let value = RaySample { rgba: picture.between(at), depth };
-                        pipeline.layer.map_or(value, |layer| value.over(layer, spot.pixel))
-                    })
-                    .collect();
+                values.clear();
+                values.extend(spots_of_pixel(view, [x, y]).map(|spot| {
+                    let (at, distance) = plane.meet(&pipeline.rays.at(spot.x, spot.y), volume.placement());
+                    let depth = (distance + f64::from(picture.nearest_depth(at))) as f32;
+                    let value = RaySample { rgba: picture.between(at), depth };
+                    pipeline.layer.map_or(value, |layer| value.over(layer, spot.pixel))
+                }));
                 RaySample::mean(&values)
             };
             (0..view.size[0]).map(pixel).collect::<Vec<RaySample>>()

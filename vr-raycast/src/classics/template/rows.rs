@@ -3,7 +3,7 @@
 use vr_core::{AnyGrid, Real, UniformGrid, Voxel, with_grid};
 
 use super::base_plane::BasePlane;
-use super::steps::TemplateSteps;
+use super::steps::{Place, TemplateSteps};
 use crate::chord::Chord;
 use crate::pipeline::SharedSamples;
 use crate::run::{RUN, Run};
@@ -78,11 +78,9 @@ impl<'a, R: Real> RowSamples<'a, R> {
     fn fill<T: Voxel>(&mut self, grid: &UniformGrid<T>, run: usize) {
         for number in run * RUN..((run + 1) * RUN).min(self.steps.places.len()) {
             // Voxel before the sample of the first ray, and the weights of the voxels behind it along u, v and w.
-            let place = self.steps.places[number];
-            let slice = (place[2] as usize).min(self.plane.dims[2].saturating_sub(2));
-            let [u, v] = [0, 1].map(|a| self.first[a] + place[a].floor() as i64);
+            let Place { whole, rest } = self.steps.places[number];
+            let (u, v, slice) = (self.first[0] + whole[0], self.first[1] + whole[1], whole[2] as usize);
             if self.steps.beside {
-                let slice = place[2] as usize;
                 self.read(grid, slice, v);
                 let row = &self.rows[slice % 2][v.rem_euclid(2) as usize];
                 let at = (u - row.first) as usize;
@@ -92,8 +90,7 @@ impl<'a, R: Real> RowSamples<'a, R> {
             for (t, v) in [(slice, v), (slice, v + 1), (slice + 1, v), (slice + 1, v + 1)] {
                 self.read(grid, t, v);
             }
-            let [tu, tv] = [0, 1].map(|a| R::from_f64(place[a] - place[a].floor()));
-            let tw = R::from_f64(place[2] - slice as f64);
+            let [tu, tv, tw] = rest.map(R::from_f64);
             // Across the rows first, for one more ray than there are: its neighbour interpolates along u with it.
             let row = |t: usize, v: i64| {
                 let row = &self.rows[t % 2][v.rem_euclid(2) as usize];
@@ -127,15 +124,21 @@ impl<'a, R: Real> RowSamples<'a, R> {
         let [su, sv, sw] = plane.axes.map(|a| strides[a]);
         let inside = |a: usize, i: i64| i.clamp(0, plane.dims[a] as i64 - 1) as usize;
         let voxels = &grid.samples()[plane.slice_index(slice) * sw + inside(1, v) * sv..];
-        let within = row.first >= 0 && row.first + WIDTH as i64 <= plane.dims[0] as i64;
-        if within && su == 1 {
-            let first = row.first as usize;
-            for (to, voxel) in row.voxels.iter_mut().zip(&voxels[first..first + WIDTH]) {
+        // Voxels of the volume lie in the middle, and its first and last ones stand for those beyond.
+        let at = |i: i64| R::from_f32(voxels[i as usize * su].to_f32());
+        let count = plane.dims[0] as i64;
+        let [low, high] = [-row.first, count - row.first].map(|i| i.clamp(0, WIDTH as i64) as usize);
+        row.voxels[..low].fill(at(0));
+        row.voxels[high..].fill(at(count - 1));
+        let middle = &mut row.voxels[low..high];
+        if su == 1 {
+            let first = (row.first + low as i64) as usize;
+            for (to, voxel) in middle.iter_mut().zip(&voxels[first.min(voxels.len())..]) {
                 *to = R::from_f32(voxel.to_f32());
             }
         } else {
-            for (i, to) in row.voxels.iter_mut().enumerate() {
-                *to = R::from_f32(voxels[inside(0, row.first + i as i64) * su].to_f32());
+            for (to, i) in middle.iter_mut().zip(row.first + low as i64..) {
+                *to = at(i);
             }
         }
     }

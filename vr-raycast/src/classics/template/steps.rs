@@ -15,11 +15,20 @@ use crate::walk::{Lattice, StepSequence, cell_steps};
 pub(crate) struct TemplateSteps {
     pub(crate) begin: Vec<f64>,
     pub(crate) length: Vec<f64>,
-    /// Positions of the samples, in index steps along u, v and w from the voxel that a ray starts at.
-    pub(crate) places: Vec<[f64; 3]>,
+    /// Positions of the samples.
+    pub(crate) places: Vec<Place>,
     /// True if samples are voxels, which lie beside the ray.
     pub(crate) beside: bool,
     sliver: f64,
+}
+
+/// Position of a sample from the voxel that a ray starts at.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    /// Whole index steps along u, v and w: the last before the sample, so that there is another slice behind.
+    pub(crate) whole: [i64; 3],
+    /// The rest of each, 0 to 1.
+    pub(crate) rest: [f64; 3],
 }
 
 /// Fraction of a template's length below which a part of a step is rounding and falls to its neighbour.
@@ -44,21 +53,23 @@ impl TemplateSteps {
                 let ray = IndexRay { origin, direction, start: 0.0, end: depth, offset: 0.0 };
                 cell_steps(&ray, [last + 2, last + 2, last + 1], longest)
             }
-            // From the middle between two slices to the next.
+            // From the middle between two slices to the next; whole ones of one length to the last bit, which a table is for.
             Connectivity::Discrete => {
-                let border = |t: usize| ((t as f64 - 0.5) * plane.slice).clamp(0.0, depth);
-                (0..=last).map(|t| (border(t), border(t + 1) - border(t))).collect()
+                let length = |t: usize| if t == 0 || t == last { 0.5 * plane.slice } else { plane.slice };
+                (0..=last).map(|t| ((t as f64 - 0.5).max(0.0) * plane.slice, length(t))).collect()
             }
         };
         let place = |(number, &(begin, length)): (usize, &(f64, f64))| match connectivity {
             Connectivity::Continuous | Connectivity::Faces => {
                 let t = ((begin + offset * length) / plane.slice).min(last as f64);
-                [plane.slope[0] * t, plane.slope[1] * t, t]
+                let at = [plane.slope[0] * t, plane.slope[1] * t, t];
+                let whole = [at[0].floor(), at[1].floor(), t.floor().min((last - 1) as f64)];
+                Place { whole: whole.map(|x| x as i64), rest: std::array::from_fn(|a| at[a] - whole[a]) }
             }
             // To the nearest voxel; half a voxel goes up. By one at most per slice: voxels touch.
             Connectivity::Discrete => {
-                let t = number as f64;
-                [(plane.slope[0] * t + 0.5).floor(), (plane.slope[1] * t + 0.5).floor(), t]
+                let nearest = plane.slope.map(|slope| (slope * number as f64 + 0.5).floor() as i64);
+                Place { whole: [nearest[0], nearest[1], number as i64], rest: [0.0; 3] }
             }
         };
         let places = steps.iter().enumerate().map(place).collect();

@@ -13,7 +13,7 @@ use crate::walk::{SequenceWalk, StepSequence, VisibleSteps};
 pub(crate) struct TemplateWalk<'a> {
     walk: SequenceWalk<'a, TemplatePart<'a>>,
     /// Voxels that the steps stand for, where samples lie beside the ray.
-    voxels: Option<Voxels<'a>>,
+    voxels: Option<Box<Voxels<'a>>>,
 }
 
 /// Voxels that the steps of one ray stand for.
@@ -22,9 +22,10 @@ struct Voxels<'a> {
     steps: &'a TemplateSteps,
     /// Lattice point along u and v that the ray starts at.
     start: [i64; 2],
-    /// Index-space positions of the last run's voxels.
-    places: [[f64; 3]; RUN],
+    /// Numbers of the last run's steps, and the index-space positions of their voxels.
+    numbers: [u32; RUN],
     len: usize,
+    places: [[f64; 3]; RUN],
 }
 
 impl<'a> TemplateWalk<'a> {
@@ -38,25 +39,26 @@ impl<'a> TemplateWalk<'a> {
     ) -> Self {
         let own = steps.of_part(part);
         let visible = VisibleSteps::new(own.clone(), own.numbers().start, u32::from(needs.brackets), part, leaper);
-        let voxels = steps.beside.then_some(Voxels { plane, steps, start, places: [[0.0; 3]; RUN], len: 0 });
-        Self { walk: SequenceWalk::new(own, visible, needs.backwards), voxels }
+        let none = || Box::new(Voxels { plane, steps, start, numbers: [0; RUN], len: 0, places: [[0.0; 3]; RUN] });
+        Self { walk: SequenceWalk::new(own, visible, needs.backwards), voxels: steps.beside.then(none) }
     }
 
     /// Fills the next run; returns false if all are walked.
     pub(crate) fn next(&mut self, steps: &mut Steps) -> bool {
         let goes_on = self.walk.next(steps);
         if let Some(voxels) = &mut self.voxels {
-            voxels.len = steps.len;
-            for (place, &number) in voxels.places.iter_mut().zip(&steps.number[..steps.len]) {
-                *place = voxels.plane.voxel(voxels.start, voxels.steps.places[number as usize]);
-            }
+            (voxels.numbers, voxels.len) = (steps.number, steps.len);
         }
         goes_on
     }
 
     /// Returns the positions of the samples of the last run, if they are not on the ray.
-    pub(crate) fn places(&self) -> Option<&[[f64; 3]]> {
-        self.voxels.as_ref().map(|voxels| &voxels.places[..voxels.len])
+    pub(crate) fn places(&mut self) -> Option<&[[f64; 3]]> {
+        let Voxels { plane, steps, start, numbers, len, places } = self.voxels.as_deref_mut()?;
+        for (place, &number) in places.iter_mut().zip(&numbers[..*len]) {
+            *place = plane.voxel(*start, steps.places[number as usize].whole);
+        }
+        Some(&places[..*len])
     }
 
     /// Returns the number of steps left out so far because nothing in them is visible.
