@@ -235,28 +235,30 @@ fn rms(got: &Frame, want: &Frame) -> f64 {
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
+/// Change to a scene, the templates that draw it, and the order and the RMSE at 65³ samples that they must keep.
+type TemplateCase<'a> = (&'a str, fn(&mut Scene), &'a [Connectivity], f64, f64);
+
 /// The error against each pixel's own ray falls with the square of the voxel's size where templates are sampled between voxels, whatever the
 /// operator. Nearest voxels leave the first order, but err to both sides alike: along a smooth ray little of it is left.
 #[test]
 fn templates_converge_with_the_voxel() {
-    let shaded = |scene: Scene| Scene { shading: Some(Shading::default().into()), ..scene };
-    let under = |compositing| move |scene: Scene| Scene { compositing, ..scene };
-    let continuous = [Connectivity::Continuous, Connectivity::Faces];
+    let continuous = &[Connectivity::Continuous, Connectivity::Faces][..];
     // The transfer function's kinks, at which the largest value and the cut turn sharply, are known to a voxel: half an order less.
-    let cases: Vec<(&str, Box<dyn Fn(Scene) -> Scene>, Vec<Connectivity>, f64, f64)> = vec![
-        ("over", Box::new(|scene| scene), continuous.to_vec(), 1.8, 2e-4),
-        ("over, voxels", Box::new(|scene| scene), vec![Connectivity::Discrete], 1.5, 4e-4),
+    let cases: [TemplateCase<'_>; 6] = [
+        ("over", |_| (), continuous, 1.8, 2e-4),
+        ("over, voxels", |_| (), &[Connectivity::Discrete], 1.5, 4e-4),
         // Shading turns fast where the gradient is small.
-        ("shaded", Box::new(shaded), continuous.to_vec(), 1.0, 1e-3),
-        ("average", Box::new(under(Compositing::Average)), continuous.to_vec(), 1.5, 1e-3),
-        ("maximum", Box::new(under(Compositing::Maximum)), continuous.to_vec(), 1.5, 1e-3),
-        ("accumulate", Box::new(under(Compositing::Accumulate { level: 0.4 })), continuous.to_vec(), 1.3, 1e-3),
+        ("shaded", |scene| scene.shading = Some(Shading::default().into()), continuous, 1.0, 1e-3),
+        ("average", |scene| scene.compositing = Compositing::Average, continuous, 1.5, 1e-3),
+        ("maximum", |scene| scene.compositing = Compositing::Maximum, continuous, 1.5, 1e-3),
+        ("accumulate", |scene| scene.compositing = Compositing::Accumulate { level: 0.4 }, continuous, 1.3, 1e-3),
     ];
     for (name, change, connectivities, least_order, largest) in cases {
-        for connectivity in connectivities {
+        for &connectivity in connectivities {
             for (azimuth, elevation) in [(33.0, 21.0), (100.0, -40.0), (200.0, 5.0)] {
                 let errors = [17, 65].map(|n| {
-                    let scene = change(bump(n));
+                    let mut scene = bump(n);
+                    change(&mut scene);
                     let view = View::new(Camera::framing(scene.volume.bounds(), azimuth, elevation, None), [64, 64]);
                     let want = common::render(&RayCaster::uniform(0.2), &scene, &view).frame;
                     rms(&common::render(&template(connectivity, 0.2), &scene, &view).frame, &want)
