@@ -50,12 +50,13 @@ fn caster(screen: ImageSampling) -> RayCaster {
     RayCaster { image_sampling: screen, step: Step::Uniform(1.0), ..RayCaster::uniform(0.2) }
 }
 
-const SCREENS: [(&str, ImageSampling); 5] = [
+const SCREENS: [(&str, ImageSampling); 6] = [
     ("every-pixel", ImageSampling::EveryPixel),
     ("adaptive", ImageSampling::Adaptive { threshold: 0.05 }),
     ("coherent", ImageSampling::Coherent),
     ("template-discrete", ImageSampling::Template { connectivity: Connectivity::Discrete }),
     ("template-continuous", ImageSampling::Template { connectivity: Connectivity::Continuous }),
+    ("template-faces", ImageSampling::Template { connectivity: Connectivity::Faces }),
 ];
 
 /// Processor time of this process in user mode, in seconds: wall-clock time says more of what else the machine does. Linux only.

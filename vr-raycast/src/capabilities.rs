@@ -119,7 +119,8 @@ fn check_colors(caster: &RayCaster) -> Result<(), RenderError> {
     let plain = matches!(caster.step, Step::Uniform(_) | Step::Local { .. })
         && caster.traversal == Traversal::Samples
         && matches!(caster.rule, Rule::Midpoint | Rule::Left)
-        && matches!(caster.image_sampling, ImageSampling::EveryPixel | ImageSampling::Adaptive { .. });
+        && (matches!(caster.image_sampling, ImageSampling::EveryPixel | ImageSampling::Adaptive { .. })
+            || !caster.image_sampling.casts_pixels());
     if !plain {
         let what = "voxels with colours but in uniform or local steps by the rule midpoint or left, which sample a step at one place";
         return Err(unsupported(Feature::Setting, what));
@@ -162,9 +163,9 @@ fn check_field(caster: &RayCaster, scene: &Scene) -> Result<(), RenderError> {
 /// Checks that this caster can draw a view of a scene that it can draw.
 pub(crate) fn check_view(caster: &RayCaster, view: &View) -> Result<(), RenderError> {
     let parallel = matches!(view.camera.projection, Projection::Orthographic { .. });
-    // A template's rays.
     if !parallel && !caster.image_sampling.casts_pixels() {
-        return Err(unsupported(Feature::Perspective, "perspective with a template screen"));
+        let what = "perspective with a template screen: its rays are not parallel, and do not step alike";
+        return Err(unsupported(Feature::Perspective, what));
     }
     Ok(())
 }

@@ -76,14 +76,17 @@ impl Engine {
             None => None,
         };
         let mut kernel = TablesByPrecision::new(caster, scene, volume, last);
+        // Packets are rays of pixels.
+        let by_packets = caster.image_sampling.casts_pixels();
         if let TablesByPrecision::F32(_) = kernel
+            && by_packets
             && let Some(picks) = PickEngine::new(caster, scene, volume)
         {
             return Ok(Self::Picks(Box::new(picks), kernel));
         }
         let packets = match &kernel {
-            TablesByPrecision::F32(tables) => PacketEngine::new(caster, scene, volume, tables),
-            TablesByPrecision::F64(_) => None,
+            TablesByPrecision::F32(tables) if by_packets => PacketEngine::new(caster, scene, volume, tables),
+            TablesByPrecision::F32(_) | TablesByPrecision::F64(_) => None,
         };
         Ok(match packets {
             Some(packets) => Self::Packets(Box::new(packets), kernel),

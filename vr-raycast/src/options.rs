@@ -146,7 +146,7 @@ fn other_options() -> [DeclaredOption<RayCaster>; 11] {
             |c| c.rule,
             |c, rule| c.rule = rule,
         )
-        .refuse("needs traversal=cells", |c| c.rule == Rule::Exact && c.traversal != Traversal::Cells),
+        .refuse("needs traversal=cells", |c| c.rule == Rule::Exact && !c.ends_steps_at_faces()),
         DeclaredOption::<RayCaster>::choice(
             "traversal",
             "steps of the given length, steps that end at cell faces, or steps from voxel to voxel",

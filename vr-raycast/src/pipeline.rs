@@ -40,11 +40,34 @@ pub(crate) struct Pipeline<'a, R> {
 }
 
 /// Working memory of one thread that traces rays.
-struct Scratch<'o, R> {
+pub(crate) struct Scratch<'o, R> {
     operator: &'o mut dyn Operator<R>,
     run: Run<R>,
     /// Shading along the direction of the last ray: parallel rays share it.
     lights: Option<(DVec3, RayShading<R>)>,
+}
+
+impl<R: Real> Scratch<'_, R> {
+    /// Returns the input that the operator asks for.
+    pub(crate) fn needs(&self) -> Needs {
+        self.operator.needs()
+    }
+}
+
+/// Samples that rays take together.
+pub(crate) trait SharedSamples<R> {
+    /// Fills the values of a run that need not be placed.
+    fn sample(&mut self, chord: &Chord<'_>, run: &mut Run<R>);
+}
+
+/// Part of a ray in volume and clip, and the way to trace it.
+pub(crate) struct RayPart<'a, 's, R> {
+    /// World direction.
+    pub(crate) direction: DVec3,
+    pub(crate) part: IndexRay,
+    pub(crate) walk: Walk<'a>,
+    /// Samples of the steps' places, where other rays share them.
+    pub(crate) shared: Option<&'s mut dyn SharedSamples<R>>,
 }
 
 /// Shading of surfaces that another engine found.
@@ -59,7 +82,7 @@ pub(crate) struct SurfaceLook<'a, R = f32> {
 impl<R: Real> SurfaceLook<'_, R> {
     /// Shades the surface that a ray meets at the depth of a value.
     pub(crate) fn shade(&mut self, ray: &Ray, value: &mut RayValue) {
-        let lights = lights_along(&mut self.lights, self.shader, ray);
+        let lights = lights_along(&mut self.lights, self.shader, ray.direction);
         let Some(part) =
             IndexRay::new(ray, self.source.placement(), self.source.dims(), &Clip::default(), f64::INFINITY)
         else {
@@ -70,14 +93,14 @@ impl<R: Real> SurfaceLook<'_, R> {
     }
 }
 
-/// Shading along a ray: that of the last one, if it had the same direction.
+/// Shading along a direction: that of the last ray, if it had the same.
 fn lights_along<'l, R: Real>(
     last: &'l mut Option<(DVec3, RayShading<R>)>,
     shader: &Shader<R>,
-    ray: &Ray,
+    along: DVec3,
 ) -> &'l RayShading<R> {
-    if last.as_ref().is_none_or(|(direction, _)| *direction != ray.direction) {
-        *last = Some((ray.direction, shader.along(ray.direction)));
+    if last.as_ref().is_none_or(|(direction, _)| *direction != along) {
+        *last = Some((along, shader.along(along)));
     }
     &last.as_ref().expect("just made").1
 }
@@ -85,7 +108,7 @@ fn lights_along<'l, R: Real>(
 impl<R: Real> Tracer for Pipeline<'_, R> {
     fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
         let mut operator = self.operator();
-        let mut scratch = Scratch { operator: operator.as_mut(), run: Run::new(), lights: None };
+        let mut scratch = self.scratch(operator.as_mut());
         values.extend(spots.iter().enumerate().map(|(i, spot)| {
             let start = starts.map_or(0, |starts| starts[i]);
             self.trace_ray(&mut scratch, &self.rays.at(spot.x, spot.y), spot.pixel, start, counts)
@@ -100,15 +123,20 @@ impl<'a, R: Real> Pipeline<'a, R> {
         Some(SurfaceLook { source: self.source, shader, run: Box::new(Run::new()), lights: None })
     }
 
-    fn operator(&self) -> Box<dyn Operator<R>> {
+    pub(crate) fn operator(&self) -> Box<dyn Operator<R>> {
         operator(self.scene, self.source.calibration(), self.order)
+    }
+
+    /// Returns the memory of one thread.
+    pub(crate) fn scratch<'o>(&self, operator: &'o mut dyn Operator<R>) -> Scratch<'o, R> {
+        Scratch { operator, run: Run::new(), lights: None }
     }
 
     /// Traces the ray through the centre of a pixel like any other, and records its steps; [`Probe`] explains `own_kernel`.
     pub(crate) fn probe(&self, [x, y]: [u32; 2], own_kernel: bool) -> Probe {
         let fractions = self.classifier.profile.as_ref().and_then(|profile| profile.fractions());
         let mut recording = Recording::new(self.operator(), self.source.calibration(), fractions);
-        let mut scratch = Scratch { operator: &mut recording, run: Run::new(), lights: None };
+        let mut scratch = self.scratch(&mut recording);
         let mut counts = Counts::default();
         let ray = self.rays.at(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let pixel = y as usize * self.view.size[0] as usize + x as usize;
@@ -129,10 +157,8 @@ impl<'a, R: Real> Pipeline<'a, R> {
         let far = layer.map_or(f64::INFINITY, |l| l.depth(pixel));
         let part = IndexRay::new(ray, self.source.placement(), self.source.dims(), &self.view.clip, far);
         let value = part.map_or(RaySample::NOTHING, |part| {
-            let needs = scratch.operator.needs();
-            let walk = self.walk(ray, part, start, needs, counts);
-            let chord = Chord { source: self.source, colors: self.colors, ray: part };
-            self.along(scratch, ray, &chord, walk, counts).into()
+            let walk = self.walk(ray, part, start, scratch.needs(), counts);
+            self.trace_part(scratch, RayPart { direction: ray.direction, part, walk, shared: None }, counts).into()
         });
         layer.map_or(value, |l| value.over(l, pixel))
     }
@@ -159,18 +185,22 @@ impl<'a, R: Real> Pipeline<'a, R> {
         }
     }
 
-    fn along(
+    /// Traces the part of a ray that lies in volume and clip, whatever set its steps.
+    pub(crate) fn trace_part(
         &self,
         scratch: &mut Scratch<'_, R>,
-        ray: &Ray,
-        chord: &Chord<'_>,
-        mut walk: Walk<'_>,
+        RayPart { direction, part, mut walk, shared }: RayPart<'_, '_, R>,
         counts: &mut Counts,
     ) -> RayValue {
+        let chord = &Chord { source: self.source, colors: self.colors, ray: part };
         let Scratch { operator, run, lights } = scratch;
         let needs = operator.needs();
         let shader = self.shader.filter(|_| needs.light || needs.surface);
-        let shader = shader.map(|shader| (shader, lights_along(lights, shader, ray)));
+        let shader = shader.map(|shader| (shader, lights_along(lights, shader, direction)));
+        // Rays share one sample a step at most, and know it without its place.
+        let several = self.classifier.profile.as_ref().is_some_and(|p| needs.light && p.fractions().is_some());
+        let mut shared = shared.filter(|_| !several);
+        let is_placed = shared.is_none() || shader.is_some() || self.colors.is_some();
         counts.rays += 1;
         operator.begin(chord);
         let mut ended = false;
@@ -181,14 +211,20 @@ impl<'a, R: Real> Pipeline<'a, R> {
             ended = operator.take(run, chord).is_break();
         }
         while !ended && walk.next(&mut run.steps) {
-            chord.place(run, self.offset);
-            if let Some(places) = walk.places() {
-                run.place_at(places);
+            run.offset = self.offset;
+            if is_placed {
+                chord.place(run, self.offset);
+                if let Some(places) = walk.places() {
+                    run.place_at(places);
+                }
             }
-            counts.samples += match &self.classifier.profile {
-                Some(profile) if needs.light => profile.sample(chord, run),
-                _ => {
-                    chord.sample(run);
+            counts.samples += match (&mut shared, &self.classifier.profile) {
+                (None, Some(profile)) if needs.light => profile.sample(chord, run),
+                (shared, _) => {
+                    match shared {
+                        Some(shared) => shared.sample(chord, run),
+                        None => chord.sample(run),
+                    }
                     run.len() as u64
                 }
             };

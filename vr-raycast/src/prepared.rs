@@ -61,7 +61,7 @@ impl PreparedCaster {
         let engine = control.run(|| Engine::new(&caster, &scene, &source, None))?;
         Ok(Self {
             #[cfg(feature = "classics")]
-            coherence: control.run(|| crate::classics::Coherence::of(&caster, source.grid()?, &engine)),
+            coherence: control.run(|| crate::classics::Coherence::of(&caster, &scene, source.grid()?, &engine)),
             asked,
             caster,
             scene,
@@ -78,7 +78,8 @@ impl Prepared for PreparedCaster {
         self.engine = control.run(|| Engine::new(&caster, &scene, &source, Some((&self.scene, &self.engine))))?;
         #[cfg(feature = "classics")]
         if !crate::classics::Coherence::holds_for(&self.scene, &scene) {
-            self.coherence = control.run(|| crate::classics::Coherence::of(&caster, source.grid()?, &self.engine));
+            self.coherence =
+                control.run(|| crate::classics::Coherence::of(&caster, &scene, source.grid()?, &self.engine));
         }
         (self.caster, self.scene, self.source, self.filtered) = (caster, scene, source, filtered);
         Ok(())
@@ -158,7 +159,7 @@ impl PreparedCaster {
     }
 
     /// Returns the plain engine with a view and the surfaces in it.
-    fn pipeline<'a, R: Real>(
+    pub(crate) fn pipeline<'a, R: Real>(
         &'a self,
         tables: &'a RenderTables<R>,
         (view, layer): (&'a View, Option<&'a Layer>),

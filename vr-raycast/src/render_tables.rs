@@ -94,7 +94,11 @@ impl TablesByPrecision {
 /// Returns the course of the value along a step of a caster; `None` where one sample stands for steps of one length.
 fn shape(caster: &RayCaster) -> Option<Shape> {
     match (caster.rule, caster.traversal) {
-        (Rule::Midpoint | Rule::Left, Traversal::Samples) if caster.step.is_on_lattice() => None,
+        (Rule::Midpoint | Rule::Left, Traversal::Samples)
+            if caster.step.is_on_lattice() && !caster.ends_steps_at_faces() =>
+        {
+            None
+        }
         (Rule::Midpoint | Rule::Left, _) => Some(Shape::Point),
         (Rule::Linear, _) => Some(Shape::Line),
         (Rule::Quadratic, _) => Some(Shape::Parabola),

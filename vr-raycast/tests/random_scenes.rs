@@ -4,7 +4,7 @@ use vr_physics::Reference;
 use vr_physics::check::invariants::update_is_prepare;
 use vr_physics::check::strategies::Kind;
 use vr_physics::check::{Effort, Falling, errors_fall};
-use vr_raycast::RayCaster;
+use vr_raycast::{Connectivity, ImageSampling, RayCaster};
 
 /// Scenes of some kinds, with a truth that is as good as f32 can show.
 fn few(kinds: &[Kind]) -> Effort {
@@ -54,7 +54,11 @@ fn errors_fall_with_the_step_on_other_volumes() {
 
 #[test]
 fn an_update_is_a_new_preparation() {
-    for caster in [RayCaster::default(), RayCaster::uniform(0.2), RayCaster::exact(0.5)] {
+    let template = RayCaster {
+        image_sampling: ImageSampling::Template { connectivity: Connectivity::Continuous },
+        ..RayCaster::uniform(0.5)
+    };
+    for caster in [RayCaster::default(), RayCaster::uniform(0.2), RayCaster::exact(0.5), template] {
         for effort in [Effort::cases(32), Effort::cases(48).of_kinds(&Kind::ALL)] {
             println!("{}", update_is_prepare(&caster, &effort).unwrap_or_else(|e| panic!("{caster:?}: {e}")));
         }

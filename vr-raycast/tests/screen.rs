@@ -7,11 +7,10 @@ use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
 use vr_core::*;
-use vr_physics::check::FixedLayer;
-use vr_raycast::{
-    CompositingOrder, Connectivity, EmptySpace, ImageSampling, Precision, RayCaster, Rule, Step, TransferLookup,
-    Traversal, Vector,
-};
+use vr_physics::Reference;
+use vr_physics::cases::Case;
+use vr_physics::check::{FixedLayer, survives_hard_cases};
+use vr_raycast::{CompositingOrder, Connectivity, EmptySpace, ImageSampling, RayCaster, Rule, Step, Traversal, Vector};
 
 fn caster(screen: ImageSampling) -> RayCaster {
     RayCaster { image_sampling: screen, step: Step::Uniform(0.5), ..RayCaster::uniform(0.2) }
@@ -134,6 +133,14 @@ proptest! {
         vector in prop::sample::select(vec![Vector::Auto, Vector::Off]),
         leaping in prop::sample::select(vec![EmptySpace::None, EmptySpace::Octree]),
         screen in prop::sample::select(vec![ImageSampling::Coherent, ImageSampling::CBuffer]),
+        compositing in prop::sample::select(vec![
+            Compositing::Over,
+            Compositing::Over,
+            Compositing::Accumulate { level: 0.6 },
+            Compositing::First { threshold: 0.25 },
+        ]),
+        rule in prop::sample::select(vec![Rule::Midpoint, Rule::Midpoint, Rule::Left, Rule::Linear]),
+        shaded in prop::bool::weighted(0.3),
     ) {
         // The box is about as large as the cameras' world.
         let last = DVec3::from_array(dims.map(|n| (n - 1) as f64));
@@ -157,8 +164,11 @@ proptest! {
             let pixel = |i: u32| ([0.1, 0.2, 0.3], if i.is_multiple_of(3) { f32::INFINITY } else { depth });
             scene = FixedLayer::new(&views[0], pixel).among(&scene);
         }
-        let order = if backwards { CompositingOrder::BackToFront } else { CompositingOrder::default() };
-        assert_coherent(&scene, &views, &RayCaster { order, vector, empty_space: leaping, ..caster(screen) });
+        scene.compositing = compositing;
+        scene.shading = shaded.then(|| Shading::default().into());
+        let is_back = backwards && compositing == Compositing::Over;
+        let order = if is_back { CompositingOrder::BackToFront } else { CompositingOrder::default() };
+        assert_coherent(&scene, &views, &RayCaster { order, vector, rule, empty_space: leaping, ..caster(screen) });
     }
 }
 
@@ -225,25 +235,120 @@ fn rms(got: &Frame, want: &Frame) -> f64 {
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
-/// The error against each pixel's own ray falls with the square of the voxel's size where templates are sampled between voxels. Nearest
-/// voxels leave the first order, but err to both sides alike: along a smooth ray little of it is left.
+/// Change to a scene, the templates that draw it, and the order and the RMSE at 65³ samples that they must keep.
+type TemplateCase<'a> = (&'a str, fn(&mut Scene), &'a [Connectivity], f64, f64);
+
+/// The error against each pixel's own ray falls with the square of the voxel's size where templates are sampled between voxels, whatever the
+/// operator. Nearest voxels leave the first order, but err to both sides alike: along a smooth ray little of it is left.
 #[test]
 fn templates_converge_with_the_voxel() {
-    for (connectivity, least_order, largest) in
-        [(Connectivity::Continuous, 1.8, 2e-4), (Connectivity::Discrete, 1.5, 4e-4)]
-    {
-        for (azimuth, elevation) in [(33.0, 21.0), (100.0, -40.0), (200.0, 5.0)] {
-            let errors = [17, 65].map(|n| {
-                let scene = bump(n);
-                let view = View::new(Camera::framing(scene.volume.bounds(), azimuth, elevation, None), [64, 64]);
-                let plain = RayCaster { step: Step::Uniform(0.2), ..RayCaster::uniform(0.2) };
-                let want = common::render(&plain, &scene, &view).frame;
-                rms(&common::render(&template(connectivity, 0.2), &scene, &view).frame, &want)
-            });
-            let order = (errors[0] / errors[1]).log2() / 2.0;
-            assert!(order >= least_order, "{connectivity:?} from {azimuth}: order {order}");
-            assert!(errors[1] <= largest, "{connectivity:?} from {azimuth}: {}", errors[1]);
+    let continuous = &[Connectivity::Continuous, Connectivity::Faces][..];
+    // The transfer function's kinks, at which the largest value and the cut turn sharply, are known to a voxel: half an order less.
+    let cases: [TemplateCase<'_>; 6] = [
+        ("over", |_| (), continuous, 1.8, 2e-4),
+        ("over, voxels", |_| (), &[Connectivity::Discrete], 1.5, 4e-4),
+        // Shading turns fast where the gradient is small.
+        ("shaded", |scene| scene.shading = Some(Shading::default().into()), continuous, 1.0, 1e-3),
+        ("average", |scene| scene.compositing = Compositing::Average, continuous, 1.5, 1e-3),
+        ("maximum", |scene| scene.compositing = Compositing::Maximum, continuous, 1.5, 1e-3),
+        ("accumulate", |scene| scene.compositing = Compositing::Accumulate { level: 0.4 }, continuous, 1.3, 1e-3),
+    ];
+    for (name, change, connectivities, least_order, largest) in cases {
+        for &connectivity in connectivities {
+            for (azimuth, elevation) in [(33.0, 21.0), (100.0, -40.0), (200.0, 5.0)] {
+                let errors = [17, 65].map(|n| {
+                    let mut scene = bump(n);
+                    change(&mut scene);
+                    let view = View::new(Camera::framing(scene.volume.bounds(), azimuth, elevation, None), [64, 64]);
+                    let want = common::render(&RayCaster::uniform(0.2), &scene, &view).frame;
+                    rms(&common::render(&template(connectivity, 0.2), &scene, &view).frame, &want)
+                });
+                let order = (errors[0] / errors[1]).log2() / 2.0;
+                println!(
+                    "{name}, {connectivity:?} from {azimuth}: order {order:.2}, errors {:.1e} {:.1e}",
+                    errors[0], errors[1]
+                );
+                assert!(order >= least_order, "{name}, {connectivity:?} from {azimuth}: order {order}");
+                assert!(errors[1] <= largest, "{name}, {connectivity:?} from {azimuth}: {}", errors[1]);
+            }
         }
+    }
+}
+
+/// Templates against the reference: shaded, under every operator, behind a surface and clipped.
+#[test]
+fn templates_agree_with_the_reference() {
+    let plain = bump(41);
+    let mut view = View::new(Camera::framing(plain.volume.bounds(), 33.0, 21.0, None), [24, 24]);
+    view.clip.planes.push(Plane { normal: DVec3::new(1.0, 0.4, 0.2), offset: -0.35 });
+    let distance = view.camera.eye.length() as f32;
+    let wall = |i: u32| ([0.2, 0.1, 0.4], if i % 24 < 12 { distance } else { f32::INFINITY });
+    let shading = Some(Shading::default().into());
+    let under = |compositing| Scene { compositing, ..plain.clone() };
+    let scenes = [
+        ("shaded", Scene { shading: shading.clone(), ..plain.clone() }, 0.02),
+        ("before a wall", FixedLayer::new(&view, wall).among(&plain), 0.02),
+        ("maximum", under(Compositing::Maximum), 0.02),
+        ("minimum", under(Compositing::Minimum), 0.02),
+        ("average", under(Compositing::Average), 0.02),
+        ("accumulate", under(Compositing::Accumulate { level: 0.3 }), 0.02),
+        // The outline of a surface is as sharp as a voxel.
+        ("first", Scene { shading, ..under(Compositing::First { threshold: 0.4 }) }, 0.6),
+    ];
+    for (name, scene, largest) in scenes {
+        let want = common::truth(&scene, &view);
+        for connectivity in [Connectivity::Continuous, Connectivity::Faces, Connectivity::Discrete] {
+            let got = common::render(&template(connectivity, 0.3), &scene, &view).frame;
+            let found = (max_error(&got, &want), rms(&got, &want));
+            println!("{name}, {connectivity:?}: {:.1e}, RMSE {:.1e}", found.0, found.1);
+            // A voxel's own value is half a voxel beside the ray.
+            let largest = if connectivity == Connectivity::Discrete { 3.0 * largest } else { largest };
+            assert!(found.0 <= largest && found.1 <= 0.1 * largest, "{name}, {connectivity:?}: {found:?}");
+        }
+    }
+}
+
+/// Rays that leap over what cannot be seen show the same, bit for bit.
+#[test]
+fn templates_leap() {
+    let scene = balls(7, [33, 29, 37], Placement::from_spacing([1.0, 1.2, 0.9]).unwrap());
+    let view = View::new(Camera::framing(scene.volume.bounds(), 30.0, 20.0, None), [40, 40]);
+    for connectivity in [Connectivity::Continuous, Connectivity::Faces] {
+        for compositing in [Compositing::Over, Compositing::First { threshold: 0.3 }] {
+            let scene = Scene { compositing, ..scene.clone() };
+            let by = |empty_space| {
+                let caster = RayCaster { empty_space, ..template(connectivity, 0.5) };
+                common::render(&caster, &scene, &view)
+            };
+            let want = by(EmptySpace::None);
+            for empty_space in [EmptySpace::Auto, EmptySpace::Octree] {
+                let got = by(empty_space);
+                assert_same(&got.frame, &want.frame, &format!("{connectivity:?} {compositing:?} {empty_space:?}"));
+                assert!(got.stats.counts.samples < want.stats.counts.samples);
+            }
+        }
+    }
+}
+
+/// RMSE of templates on the hard cases: measured, and half as much again. Faces of the box and edges are as sharp as a voxel, which is a tenth of the picture
+/// in the small cases.
+#[test]
+fn templates_survive_hard_cases() {
+    let bound = |case: &Case| {
+        DocumentedError::Rmse(match case.name {
+            "opaque-wall" | "two-samples" => 0.13,
+            "full-u16" | "marschner-lobb" => 0.1,
+            "thin-shell" | "missing-voxels" => 0.08,
+            "anisotropy" | "constant" => 0.05,
+            "bright" | "grazing-rays" | "far-origin" => 0.04,
+            "axis-aligned" | "faint" => 0.01,
+            // Nothing but rounding.
+            _ => 3e-7,
+        })
+    };
+    for connectivity in [Connectivity::Continuous, Connectivity::Faces, Connectivity::Discrete] {
+        let table = survives_hard_cases(&template(connectivity, 0.2), bound, &Reference::new(1e-5));
+        println!("{}", table.unwrap_or_else(|e| panic!("{e}")));
     }
 }
 
@@ -305,24 +410,21 @@ fn what_templates_cannot_do_is_said() {
         }
         other => panic!("{what}: {other:?}"),
     };
-    refuses(&good, &Scene { shading: Some(Shading::default().into()), ..scene.clone() }, "shading");
-    refuses(&good, &Scene { compositing: Compositing::Maximum, ..scene.clone() }, "compositing");
-    refuses(&RayCaster { filter: Some(Filter::BSpline), ..good.clone() }, &scene, "filter");
-    refuses(&RayCaster { order: CompositingOrder::BackToFront, ..good.clone() }, &scene, "back to front");
-    refuses(&RayCaster { precision: Precision::F64, ..good.clone() }, &scene, "64-bit");
-    refuses(&RayCaster { transfer_lookup: TransferLookup::Exact, ..good.clone() }, &scene, "exact");
-    refuses(&RayCaster { rule: Rule::Left, ..good.clone() }, &scene, "rule");
+    refuses(&RayCaster { step: Step::Local { error: 0.01 }, ..good.clone() }, &scene, "steps that each ray sets");
+    refuses(&RayCaster { step: Step::ErrorBound(0.01), ..good.clone() }, &scene, "steps that each ray sets");
+    refuses(&RayCaster { traversal: Traversal::Cells, ..good.clone() }, &scene, "template-faces");
+    let voxels = template(Connectivity::Discrete, 1.0);
+    refuses(&RayCaster { rule: Rule::Left, ..voxels.clone() }, &scene, "rule");
+    refuses(&RayCaster { empty_space: EmptySpace::Octree, ..voxels }, &scene, "beside");
     let coherent = caster(ImageSampling::Coherent);
     refuses(&coherent, &Scene { compositing: Compositing::Average, ..scene.clone() }, "compositing");
-    refuses(&RayCaster { rule: Rule::Linear, ..coherent.clone() }, &scene, "rule 'linear'");
+    refuses(&RayCaster { rule: Rule::Quadratic, ..coherent.clone() }, &scene, "rule 'quadratic'");
     refuses(&RayCaster { traversal: Traversal::Cells, ..coherent }, &scene, "steps");
     let adaptive = caster(ImageSampling::Adaptive { threshold: 0.1 });
     refuses(&RayCaster { step: Step::ErrorBound(0.01), ..adaptive }, &scene, "promised");
     let mut prepared = good.prepare(&scene, &control).unwrap();
     let view = |fov| View::new(Camera::framing(scene.volume.bounds(), 0.0, 0.0, fov), [4, 4]);
     assert!(matches!(prepared.render(&view(Some(30.0)), &control), Err(RenderError::Unsupported { .. })));
-    let walled = FixedLayer::new(&view(None), |_| ([0.0; 3], 1.0)).among(&scene);
-    refuses(&good, &walled, "surfaces");
     assert!(prepared.render(&view(None), &control).is_ok());
     let odd = caster(ImageSampling::Adaptive { threshold: f64::NAN });
     assert!(matches!(odd.prepare(&scene, &control), Err(RenderError::Option(_))));
@@ -350,9 +452,11 @@ fn templates_keep_clips_and_holes() {
         let want = common::render(&caster(ImageSampling::EveryPixel), &scene, &view).frame;
         // Faces of the clip and of the hole are known to a step and to a voxel, of which these have several per cent of opacity;
         // twice what was measured.
-        for (connectivity, largest, mean) in
-            [(Connectivity::Continuous, 0.13, 9e-3), (Connectivity::Discrete, 0.3, 3.2e-2)]
-        {
+        for (connectivity, largest, mean) in [
+            (Connectivity::Continuous, 0.13, 9e-3),
+            (Connectivity::Faces, 0.13, 9e-3),
+            (Connectivity::Discrete, 0.3, 3.2e-2),
+        ] {
             let got = common::render(&template(connectivity, 0.5), &scene, &view).frame;
             let found = (max_error(&got, &want), rms(&got, &want));
             assert!(found.0 <= largest && found.1 <= mean, "{connectivity:?} from {azimuth}: {found:?}");
@@ -376,17 +480,38 @@ proptest! {
             ImageSampling::Adaptive { threshold: 0.01 },
             ImageSampling::Template { connectivity: Connectivity::Continuous },
             ImageSampling::Template { connectivity: Connectivity::Discrete },
+            ImageSampling::Template { connectivity: Connectivity::Faces },
         ]),
+        shaded in any::<bool>(),
+        compositing in prop::sample::select(vec![
+            Compositing::Over,
+            Compositing::Over,
+            Compositing::First { threshold: 0.2 },
+            Compositing::Maximum,
+            Compositing::Average,
+            Compositing::Accumulate { level: 0.5 },
+        ]),
+        layered in prop::bool::weighted(0.3),
         crop in prop::option::of((prop::array::uniform3(-1.0..0.0f64), prop::array::uniform3(0.01..1.0f64))),
     ) {
         let last = DVec3::from_array(dims.map(|n| (n - 1) as f64));
         let axes = axes * DMat3::from_diagonal(1.0 / last);
-        let scene = balls(seed, dims, Placement::new(-0.5 * (axes * last), axes).unwrap());
+        let mut scene = balls(seed, dims, Placement::new(-0.5 * (axes * last), axes).unwrap());
         let is_template = matches!(screen, ImageSampling::Template { .. });
         let projection = if is_template { Projection::Orthographic { height: 1.5 } } else { camera.projection };
+        // Cubics between adaptive rays leave the range of colours at the edges of surfaces.
+        let (shaded, layered) = (shaded && is_template, layered && is_template);
+        if is_template {
+            scene.compositing = compositing;
+            scene.shading = shaded.then(|| Shading::default().into());
+        }
         let mut view = View::new(Camera { projection, ..camera }, size);
         view.supersampling = samples;
         view.clip.crop = crop.map(|(low, high)| (low.into(), high.into()));
+        if layered {
+            let pixel = |i: u32| ([0.1, 0.2, 0.3], if i.is_multiple_of(3) { f32::INFINITY } else { 1.0 + (i % 5) as f32 });
+            scene = FixedLayer::new(&view, pixel).among(&scene);
+        }
         let draw = |threads| {
             let control = Control::default().with_threads(threads);
             caster(screen).prepare(&scene, &control).unwrap().render(&view, &control).unwrap()
@@ -395,7 +520,9 @@ proptest! {
         assert_same(&one.frame, &three.frame, "threads");
         prop_assert_eq!(one.stats.counts, three.stats.counts);
         for p in one.frame.pixels() {
-            prop_assert!(p.iter().all(|x| x.is_finite() && (0.0..=1.0 + 1e-5).contains(x)), "{:?}", p);
+            // A highlight adds to a colour, by 0.3 at most.
+            let most = if shaded { 1.31 } else { 1.0 + 1e-5 };
+            prop_assert!(p.iter().all(|x| x.is_finite() && (0.0..=most).contains(x)), "{:?}", p);
         }
     }
 }

@@ -18,7 +18,7 @@ pub enum ImageSampling {
     /// Rays of every pixel, each begun where its part of the view can show something first. That is projected for each view from what
     /// earlier pictures met first (a C-buffer; Yagel and Shi, *Accelerating volume animation by space-leaping*, 1993). The picture is that
     /// of [`ImageSampling::EveryPixel`], bit for bit. For samples at equal distances by the rules
-    /// midpoint and left, under over and accumulate.
+    /// midpoint, left and linear, under over, accumulate and first.
     #[cfg(feature = "classics")]
     Coherent,
     /// Rays of every pixel, each begun where the point that the last picture met first tells: its points are projected to the view, hidden
@@ -27,9 +27,9 @@ pub enum ImageSampling {
     /// picture is that of [`ImageSampling::EveryPixel`], bit for bit. For what [`ImageSampling::Coherent`] draws.
     #[cfg(feature = "classics")]
     CBuffer,
-    /// Parallel rays that all step through the voxels alike, cast from the face of the volume that looks at the eye most; what they
-    /// show there is stretched onto the screen (Yagel and Kaufman, *Template-based volume viewing*, 1992). Not exact, and for unshaded
-    /// scenes under over in orthographic views without layers alone.
+    /// Parallel rays that all step through the voxels alike, cast from the face of the volume that looks at the eye most; their picture
+    /// is stretched onto the screen (Yagel and Kaufman, *Template-based volume viewing*, 1992). The picture is as sharp as voxels are, not as pixels. For
+    /// grids in orthographic views: other rays are not parallel.
     #[cfg(feature = "classics")]
     Template {
         /// Samples that the template is made of.

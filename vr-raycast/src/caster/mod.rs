@@ -96,6 +96,15 @@ impl RayCaster {
         scene.compositing.integrates_light() && self.order != CompositingOrder::BackToFront
     }
 
+    /// True if steps end at the faces of cells.
+    pub(crate) fn ends_steps_at_faces(&self) -> bool {
+        #[cfg(feature = "classics")]
+        if self.image_sampling == (ImageSampling::Template { connectivity: crate::classics::Connectivity::Faces }) {
+            return true;
+        }
+        self.traversal == Traversal::Cells
+    }
+
     /// Returns the world length of a step.
     pub(crate) fn world_step(&self, placement: &Placement) -> f64 {
         // Other steps have no one length.

@@ -19,7 +19,7 @@ pub enum Step {
     /// more than its share of `error`.
     ///
     /// The long steps of a ray together are off by at most `error`, where no source is brighter than 1 (else in
-    /// proportion); the short ones by what short steps are off by. For over and accumulate, front to back, also shaded.
+    /// proportion); the short ones by what short steps are off by. For over and accumulate, also shaded.
     #[cfg(feature = "classics")]
     Homogeneous {
         /// Length of the short steps, as a fraction of the smallest voxel edge.

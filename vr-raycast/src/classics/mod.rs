@@ -24,23 +24,22 @@ mod tests;
 pub(crate) use homogeneity::{Homogeneity, homogeneity};
 pub(crate) use homogeneous_walk::HomogeneousWalk;
 pub use template::Connectivity;
+pub(crate) use template::TemplateWalk;
 
 use std::any::Any;
 use std::sync::Arc;
 
 use glam::DVec3;
 use vr_core::{
-    Compositing, Control, Feature, Filter, GridVolume, IndexRay, Layer, Ray, Real, RenderError, Rendered, Scene, View,
+    Compositing, Control, Feature, GridVolume, IndexRay, Layer, Ray, Real, RenderError, Rendered, Scene, View,
 };
 use vr_kernels::ranges::RangeBlocks;
 
-use crate::caster::{
-    CompositingOrder, EmptySpace, ImageSampling, Precision, RayCaster, Rule, Step, TransferLookup, Traversal,
-};
+use crate::caster::{EmptySpace, ImageSampling, RayCaster, Rule, Step, Traversal};
 use crate::engine::Engine;
 use crate::leap::{EDGE, Leaper, Visibility, VisibleBlocks};
 use crate::prepared::PreparedCaster;
-use crate::render_tables::RenderTables;
+use crate::render_tables::{RenderTables, TablesByPrecision};
 use crate::walk::{Walk, Walks};
 use boxes::Boxes;
 use c_buffer::CBuffer;
@@ -109,7 +108,9 @@ impl<'a> WalkKind<'a> {
     pub(crate) fn along(self, ray: IndexRay, walks: &Walks<'_>, start: u32, backwards: bool) -> Walk<'a> {
         match self {
             Self::Voxels => Walk::Listed(voxel_walk(&ray, walks.dims, start, backwards)),
-            Self::Homogeneous(map) => Walk::Homogeneous(HomogeneousWalk::new(map, ray, walks.step, walks.voxel)),
+            Self::Homogeneous(map) => {
+                Walk::Homogeneous(HomogeneousWalk::new(map, ray, walks.step, walks.voxel, backwards))
+            }
         }
     }
 }
@@ -124,10 +125,10 @@ pub(crate) enum Coherence {
 
 impl Coherence {
     /// Makes the state before the first picture; `None` for screens that keep none.
-    pub(crate) fn of(caster: &RayCaster, volume: &GridVolume, engine: &Engine) -> Option<Self> {
+    pub(crate) fn of(caster: &RayCaster, scene: &Scene, volume: &GridVolume, engine: &Engine) -> Option<Self> {
         Some(match caster.image_sampling {
-            ImageSampling::Coherent => Self::Cells(CoherenceBuffer::of(volume, engine)?),
-            ImageSampling::CBuffer => Self::Points(CBuffer::of(volume, engine)?),
+            ImageSampling::Coherent => Self::Cells(CoherenceBuffer::of(scene, volume, engine)?),
+            ImageSampling::CBuffer => Self::Points(CBuffer::of(scene, volume, engine)?),
             _ => return None,
         })
     }
@@ -140,10 +141,12 @@ impl Coherence {
     }
 }
 
-/// Returns the number of whole steps of a ray that end before a distance: none of them can be seen, rounding included, if nothing before it can.
-fn steps_before(part: &IndexRay, distance: f64, step: f64) -> u32 {
+/// Returns the number of steps of a ray that can be left out if nothing before a distance can be seen, rounding included: whole steps that end before it, but
+/// for the last one under an operator that looks for a crossing between two samples.
+fn steps_before(part: &IndexRay, distance: f64, step: f64, compositing: Compositing) -> u32 {
+    let looks_back = matches!(compositing, Compositing::First { .. });
     // `as` saturates.
-    ((distance - part.start) / step).floor() as u32
+    (((distance - part.start) / step).floor() as u32).saturating_sub(u32::from(looks_back))
 }
 
 /// Returns the distance along a ray at which it reaches a depth, which is measured along the view.
@@ -151,30 +154,32 @@ fn distance_at_depth(part: &IndexRay, ray: &Ray, forward: DVec3, depth: f64) -> 
     depth / ray.direction.dot(forward) - part.offset
 }
 
-/// Returns the test for the values of a field that can be seen.
-fn light_seen<R: Real>(tables: &RenderTables<R>) -> Visibility<R> {
-    let classifier = &tables.classifier;
-    let table = classifier.table.as_ref().map(|(table, _)| table);
-    Visibility::of_light(&classifier.transfer, classifier.calibration, table, None)
-}
-
 impl PreparedCaster {
     /// Draws a view, with the surfaces in it, if the caster's screen is a classic one.
     pub(crate) fn draw_by_classic_screen(
         &mut self,
-        seen @ (view, _): (&View, Option<&Layer>),
+        seen: (&View, Option<&Layer>),
         control: &Control,
     ) -> Option<Result<Rendered, RenderError>> {
         let volume = self.source.grid()?;
-        if let (ImageSampling::Template { connectivity }, Some(_)) = (self.caster.image_sampling, self.engine.kernel())
+        if let (ImageSampling::Template { connectivity }, Some(kernel)) =
+            (self.caster.image_sampling, self.engine.kernel())
         {
-            return Some(draw_by_template(connectivity, &self.caster, &self.scene, volume, view, control));
+            return Some(match kernel {
+                TablesByPrecision::F32(tables) => self
+                    .pipeline(tables, seen)
+                    .and_then(|pipeline| draw_by_template(connectivity, pipeline, volume, control)),
+                TablesByPrecision::F64(tables) => self
+                    .pipeline(tables, seen)
+                    .and_then(|pipeline| draw_by_template(connectivity, pipeline, volume, control)),
+            });
         }
         let (volume, step) = (Arc::clone(volume), self.caster.world_step(volume.placement()));
+        let compositing = self.scene.compositing;
         let mut buffer = self.coherence.take()?;
         let drawn = self.tracer(seen).and_then(|tracer| match &mut buffer {
-            Coherence::Cells(buffer) => buffer.draw(tracer.as_ref(), &volume, step, seen, control),
-            Coherence::Points(buffer) => buffer.draw(tracer.as_ref(), &volume, step, seen, control),
+            Coherence::Cells(buffer) => buffer.draw(tracer.as_ref(), &volume, (step, compositing), seen, control),
+            Coherence::Points(buffer) => buffer.draw(tracer.as_ref(), &volume, (step, compositing), seen, control),
         });
         self.coherence = Some(buffer);
         Some(drawn)
@@ -187,8 +192,8 @@ pub(crate) fn beyond_steps(caster: &RayCaster, scene: &Scene) -> Option<(Feature
     let cuts = matches!(scene.compositing, Compositing::Accumulate { .. });
     if !matches!(caster.step, Step::Homogeneous { .. } | Step::Variance { .. }) {
         None
-    } else if !scene.compositing.integrates_light() || caster.order == CompositingOrder::BackToFront {
-        Some((Feature::Setting, "homogeneous steps under anything but over and accumulate, front to back"))
+    } else if !scene.compositing.integrates_light() {
+        Some((Feature::Setting, "homogeneous steps under operators that gather no light, of which their bound is"))
     } else if caster.rule != Rule::Midpoint {
         Some((Feature::Setting, "homogeneous steps by another rule than the midpoint's"))
     } else if cuts && scene.transfer.has_emission() {
@@ -202,34 +207,38 @@ pub(crate) fn beyond_steps(caster: &RayCaster, scene: &Scene) -> Option<(Feature
     }
 }
 
-/// Returns the feature of a scene that a classic screen cannot draw.
+/// Returns the feature of a scene or setting that a classic screen cannot draw.
 pub(crate) fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String> {
     let compositing = format!("compositing '{}'", scene.compositing.name());
     let uneven = !matches!(caster.step, Step::Uniform(_)) || caster.traversal != Traversal::Samples;
     let uneven = uneven.then_some("steps that are not all of one length (set a step, in voxels)".to_owned());
-    let filter = scene.volume.filter().unwrap_or_default();
     let found = match caster.image_sampling {
         ImageSampling::EveryPixel | ImageSampling::Adaptive { .. } => vec![],
         ImageSampling::Coherent | ImageSampling::CBuffer => vec![
-            (!scene.compositing.integrates_light()).then_some(compositing),
+            (!scene.compositing.integrates_light() && !matches!(scene.compositing, Compositing::First { .. }))
+                .then(|| format!("{compositing}, which depends on what cannot be seen, too,")),
             uneven,
-            // What a table of segments shows cannot be told from the values at their ends.
-            (!matches!(caster.rule, Rule::Midpoint | Rule::Left)).then(|| format!("the rule '{}'", caster.rule.name())),
+            // All values of a straight line lie between those of a continuous field at its ends: the ray has met them in the same cells.
+            matches!(caster.rule, Rule::Quadratic | Rule::Exact).then(|| {
+                format!(
+                    "the rule '{}', whose curves leave the range of the values in the cells that they pass,",
+                    caster.rule.name()
+                )
+            }),
         ],
         ImageSampling::Template { connectivity } => {
-            let own_values = connectivity == Connectivity::Discrete && filter == Filter::Nearest;
+            let is_discrete = connectivity == Connectivity::Discrete;
+            let leaps = caster.empty_space != EmptySpace::Auto || caster.step.finds_empty_space();
             vec![
-                (scene.compositing != Compositing::Over).then_some(compositing),
-                scene.shading.is_some().then_some("shading".to_owned()),
-                scene.transfer.has_rows().then_some("a transfer function by gradient".to_owned()),
-                scene.surfaces.is_some().then_some("opaque surfaces".to_owned()),
-                (!own_values && filter != Filter::Trilinear).then(|| format!("the filter '{filter}'")),
-                (caster.order == CompositingOrder::BackToFront).then_some("compositing back to front".to_owned()),
-                uneven,
-                (caster.empty_space != EmptySpace::Auto).then_some("a way of leaping".to_owned()),
-                (caster.rule != Rule::Midpoint).then(|| format!("the rule '{}'", caster.rule.name())),
-                (caster.precision == Precision::F64).then_some("64-bit precision".to_owned()),
-                (caster.transfer_lookup == TransferLookup::Exact).then_some("exact classification".to_owned()),
+                (!caster.step.is_on_lattice())
+                    .then_some("steps that each ray sets for itself, where all step alike (set a step, in voxels)".to_owned()),
+                (caster.traversal != Traversal::Samples).then_some(
+                    "a traversal of each ray's own (template-faces goes from cell to cell, template-discrete from voxel to voxel)".to_owned(),
+                ),
+                (is_discrete && caster.rule != Rule::Midpoint).then(|| {
+                    format!("the rule '{}', where a voxel stands for all of a step (must be midpoint)", caster.rule.name())
+                }),
+                (is_discrete && leaps).then_some("a way of leaping, which looks along rays, where voxels lie beside them".to_owned()),
             ]
         }
     };

@@ -28,11 +28,12 @@ pub(crate) const LEAPINGS: [(&str, EmptySpace); 5] = [
 /// Traversals.
 pub(crate) const TRAVERSALS: [(&str, Traversal); 1] = [("voxels", Traversal::Voxels)];
 /// Screens.
-pub(crate) const SCREENS: [ImageSampling; 4] = [
+pub(crate) const SCREENS: [ImageSampling; 5] = [
     ImageSampling::Coherent,
     ImageSampling::CBuffer,
     ImageSampling::Template { connectivity: Connectivity::Discrete },
     ImageSampling::Template { connectivity: Connectivity::Continuous },
+    ImageSampling::Template { connectivity: Connectivity::Faces },
 ];
 
 /// Options of steps. Each number makes steps the kind that has it, unless they are of one already.

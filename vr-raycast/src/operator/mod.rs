@@ -59,7 +59,7 @@ pub(crate) struct Needs {
 impl Needs {
     const VALUES: Self =
         Self { light: false, backwards: false, ends: false, brackets: false, colors: false, surface: false };
-    const LIGHT: Self = Self { light: true, ..Self::VALUES };
+    pub(crate) const LIGHT: Self = Self { light: true, ..Self::VALUES };
 }
 
 /// Compositing operator, with the state of one ray.

@@ -96,8 +96,8 @@ impl Iterator for Cells {
     }
 }
 
-/// Returns the walk from cell to cell, each cut into equal steps no longer than `longest`.
-pub(crate) fn cell_walk(ray: &IndexRay, dims: [usize; 3], longest: f64, first: u32, backwards: bool) -> ListedWalk {
+/// Returns begin and length of the steps from cell to cell, each cut into equal steps no longer than `longest`.
+pub(crate) fn cell_steps(ray: &IndexRay, dims: [usize; 3], longest: f64) -> Vec<(f64, f64)> {
     let mut steps = Vec::new();
     for (from, to) in Cells::new(ray, dims) {
         // A cell that is as long as the step, up to rounding, is one step.
@@ -110,7 +110,12 @@ pub(crate) fn cell_walk(ray: &IndexRay, dims: [usize; 3], longest: f64, first: u
             k += 1.0;
         }
     }
-    ListedWalk::new(steps, None, first, backwards)
+    steps
+}
+
+/// Returns the walk over the steps from cell to cell.
+pub(crate) fn cell_walk(ray: &IndexRay, dims: [usize; 3], longest: f64, first: u32, backwards: bool) -> ListedWalk {
+    ListedWalk::new(cell_steps(ray, dims, longest), None, first, backwards)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::VisibleSteps;
+use super::{StepSequence, VisibleSteps};
 use crate::run::{RUN, Steps};
 
 /// Part of a ray cut into steps of one length, from where it enters on; the last one takes the rest.
@@ -42,37 +42,45 @@ impl Lattice {
     pub(crate) fn length_of(&self, k: u32) -> f64 {
         if k + 1 == self.count { self.last } else { self.length }
     }
+}
 
-    /// Appends steps to a run.
+impl StepSequence for Lattice {
+    fn numbers(&self) -> Range<u32> {
+        0..self.count
+    }
+
+    fn begin(&self, number: u32) -> f64 {
+        Self::begin(self, number)
+    }
+
     fn push(&self, numbers: Range<u32>, steps: &mut Steps) {
         for k in numbers {
             steps.push(self.begin(k), self.length_of(k), k);
         }
     }
 
-    /// Returns the steps that an interval of the ray touches.
-    pub(crate) fn steps_in(&self, begin: f64, end: f64) -> Range<u32> {
+    fn steps_in(&self, begin: f64, end: f64) -> Range<u32> {
         // `as` saturates: what rounding carries below 0 is 0.
         let step = |s: f64| ((s - self.start) / self.length) as u32;
         step(begin)..step(end).saturating_add(1).min(self.count)
     }
 }
 
-/// Walk over the steps of a lattice in which something may be visible.
+/// Walk over the steps of a sequence in which something may be visible.
 ///
-/// Runs begin at every 32nd step of the lattice, whatever is left out: sums are rounded run by run, and so a picture does not change
+/// Runs begin at every 32nd step of the sequence, whatever is left out: sums are rounded run by run, and so a picture does not change
 /// by a bit where invisible steps are dropped. Runs of which nothing is left are passed over.
-pub(crate) struct LatticeWalk<'a> {
-    lattice: Lattice,
-    order: WalkOrder<'a>,
+pub(crate) struct SequenceWalk<'a, S> {
+    sequence: S,
+    order: WalkOrder<'a, S>,
     /// Number of steps before the walk's place that it has left out.
     skipped: u64,
 }
 
 /// Order in which runs are walked.
-enum WalkOrder<'a> {
+enum WalkOrder<'a, S> {
     Forwards {
-        visible: VisibleSteps<'a>,
+        visible: VisibleSteps<'a, S>,
         /// Part of the last range asked for that is not walked yet.
         ahead: Range<u32>,
         /// Step that the walk has reached.
@@ -84,16 +92,18 @@ enum WalkOrder<'a> {
     },
 }
 
-impl<'a> LatticeWalk<'a> {
+impl<'a, S: StepSequence> SequenceWalk<'a, S> {
     /// Begins a walk from front to back, or from the far end.
-    pub(crate) fn new(lattice: Lattice, mut visible: VisibleSteps<'a>, backwards: bool) -> Self {
+    pub(crate) fn new(sequence: S, mut visible: VisibleSteps<'a, S>, backwards: bool) -> Self {
+        let all = sequence.numbers();
         if backwards {
             let left: Vec<_> = std::iter::from_fn(|| visible.next()).collect();
             let walked = left.iter().map(|r| u64::from(r.end - r.start)).sum::<u64>();
             // All of the ray is walked, and so all that is not is skipped.
-            return Self { lattice, order: WalkOrder::Backwards { left }, skipped: u64::from(lattice.count) - walked };
+            let skipped = u64::from(all.end - all.start) - walked;
+            return Self { sequence, order: WalkOrder::Backwards { left }, skipped };
         }
-        Self { lattice, order: WalkOrder::Forwards { visible, ahead: 0..0, at: 0 }, skipped: 0 }
+        Self { sequence, order: WalkOrder::Forwards { visible, ahead: 0..0, at: all.start }, skipped: 0 }
     }
 
     /// Returns the number of steps left out so far.
@@ -104,15 +114,16 @@ impl<'a> LatticeWalk<'a> {
     /// Fills the next run; returns false if all are walked.
     pub(crate) fn next(&mut self, steps: &mut Steps) -> bool {
         steps.len = 0;
-        let Self { lattice, order, skipped } = self;
+        let Self { sequence, order, skipped } = self;
         match order {
             WalkOrder::Forwards { visible, ahead, at } => {
                 let mut end_of_run = None;
                 loop {
                     if ahead.start >= ahead.end {
                         let Some(range) = visible.next() else {
-                            *skipped += u64::from(lattice.count - *at);
-                            *at = lattice.count;
+                            let end = sequence.numbers().end;
+                            *skipped += u64::from(end - *at);
+                            *at = end;
                             break;
                         };
                         *ahead = range;
@@ -124,7 +135,7 @@ impl<'a> LatticeWalk<'a> {
                     }
                     *skipped += u64::from(ahead.start - *at);
                     *at = ahead.end.min(end_of_run);
-                    lattice.push(ahead.start..*at, steps);
+                    sequence.push(ahead.start..*at, steps);
                     ahead.start = *at;
                 }
             }
@@ -133,7 +144,7 @@ impl<'a> LatticeWalk<'a> {
                     let begin_of_run = (last.end - 1) / RUN as u32 * RUN as u32;
                     let inside = left.partition_point(|range| range.end <= begin_of_run);
                     for range in &left[inside..] {
-                        lattice.push(range.start.max(begin_of_run)..range.end, steps);
+                        sequence.push(range.start.max(begin_of_run)..range.end, steps);
                     }
                     let reaches_on = left[inside].start < begin_of_run;
                     left[inside].end = begin_of_run;
@@ -194,7 +205,8 @@ mod tests {
             ExactCloud::new(&blocks)
         });
         let visible = VisibleSteps::new(lattice, first, before, &ray, cloud.as_ref().map(|cloud| cloud as &dyn Leaper));
-        let (mut walk, mut steps, mut runs) = (LatticeWalk::new(lattice, visible, backwards), Steps::new(), Vec::new());
+        let (mut walk, mut steps, mut runs) =
+            (SequenceWalk::new(lattice, visible, backwards), Steps::new(), Vec::new());
         while walk.next(&mut steps) {
             runs.push(steps.number[..steps.len].to_vec());
         }

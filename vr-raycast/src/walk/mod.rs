@@ -6,14 +6,19 @@ mod cut;
 mod lattice;
 mod listed;
 mod local;
+mod sequence;
 mod stretched;
 mod visible_steps;
 
 pub(crate) use block_ray::BlockRay;
+#[cfg(feature = "classics")]
+pub(crate) use cells::cell_steps;
 pub(crate) use cut::{SKIN, SLIVER, cut_walk};
-pub(crate) use lattice::Lattice;
+pub(crate) use lattice::{Lattice, SequenceWalk};
 pub(crate) use listed::ListedWalk;
+pub(crate) use sequence::StepSequence;
 pub(crate) use stretched::{StretchSteps, stretched_walk};
+pub(crate) use visible_steps::VisibleSteps;
 
 use vr_core::IndexRay;
 
@@ -21,9 +26,7 @@ use crate::leap::Leaper;
 use crate::run::Steps;
 use crate::step_map::StepMap;
 use cells::cell_walk;
-use lattice::LatticeWalk;
 use local::LocalWalk;
-use visible_steps::VisibleSteps;
 
 /// Steps of the rays of a frame.
 pub(crate) struct Walks<'a> {
@@ -57,7 +60,7 @@ impl Walks<'_> {
             WalkKind::Lattice(leaper) => {
                 let lattice = Lattice::new(ray.start, ray.end, step);
                 let visible = VisibleSteps::new(lattice, start, before, &ray, leaper);
-                Walk::Lattice(LatticeWalk::new(lattice, visible, backwards))
+                Walk::Lattice(SequenceWalk::new(lattice, visible, backwards))
             }
             WalkKind::Local(map) => Walk::Local(LocalWalk::new(map, ray, voxel)),
             WalkKind::Cells => Walk::Listed(cell_walk(&ray, dims, step, start, backwards)),
@@ -70,7 +73,7 @@ impl Walks<'_> {
 /// Walk along one ray.
 pub(crate) enum Walk<'a> {
     /// Walk in steps of one length, without those in which nothing is visible.
-    Lattice(LatticeWalk<'a>),
+    Lattice(SequenceWalk<'a, Lattice>),
     /// Steps as long as the medium in each place allows.
     Local(LocalWalk<'a>),
     /// Walk over cells or voxels, found beforehand.
@@ -78,6 +81,9 @@ pub(crate) enum Walk<'a> {
     /// Walk in long steps where the medium is nearly the same.
     #[cfg(feature = "classics")]
     Homogeneous(crate::classics::HomogeneousWalk<'a>),
+    /// Walk over the steps that all rays of a view share.
+    #[cfg(feature = "classics")]
+    Template(crate::classics::TemplateWalk<'a>),
 }
 
 impl Walk<'_> {
@@ -89,12 +95,19 @@ impl Walk<'_> {
             Self::Listed(walk) => walk.next(steps),
             #[cfg(feature = "classics")]
             Self::Homogeneous(walk) => walk.next(steps),
+            #[cfg(feature = "classics")]
+            Self::Template(walk) => walk.next(steps),
         }
     }
 
     /// Returns the index-space positions of the last run's samples, where they do not lie on the ray.
-    pub(crate) fn places(&self) -> Option<&[[f64; 3]]> {
-        if let Self::Listed(walk) = self { walk.places() } else { None }
+    pub(crate) fn places(&mut self) -> Option<&[[f64; 3]]> {
+        match self {
+            Self::Listed(walk) => walk.places(),
+            #[cfg(feature = "classics")]
+            Self::Template(walk) => walk.places(),
+            _ => None,
+        }
     }
 
     /// Returns values that stand for the samples of the last run's steps, NaN for steps that have none; `None` if none has.
@@ -105,6 +118,11 @@ impl Walk<'_> {
 
     /// Returns the number of steps left out so far because nothing in them is visible; 0 where it is not known.
     pub(crate) fn skipped(&self) -> u64 {
-        if let Self::Lattice(walk) = self { walk.skipped() } else { 0 }
+        match self {
+            Self::Lattice(walk) => walk.skipped(),
+            #[cfg(feature = "classics")]
+            Self::Template(walk) => walk.skipped(),
+            _ => 0,
+        }
     }
 }

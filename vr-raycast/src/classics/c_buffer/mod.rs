@@ -25,13 +25,16 @@ mod figures;
 
 use std::sync::Mutex;
 
-use vr_core::{Control, Counts, GridVolume, IndexRay, Layer, Rays, Real, RenderError, RenderStats, Rendered, View};
+use vr_core::{
+    Compositing, Control, Counts, GridVolume, IndexRay, Layer, Rays, Real, RenderError, RenderStats, Rendered, Scene,
+    View,
+};
 use vr_kernels::ranges::RangeBlocks;
 
-use super::{distance_at_depth, light_seen, steps_before};
+use super::{distance_at_depth, steps_before};
 use crate::engine::Engine;
-use crate::leap::{ExactCloud, Leaper, VisibleBlocks};
-use crate::render_tables::{RenderTables, TablesByPrecision};
+use crate::leap::{ExactCloud, Leaper, Visibility, VisibleBlocks, visibility};
+use crate::render_tables::TablesByPrecision;
 use crate::screen::{by_tiles, spots_of_pixel};
 use crate::tracer::{RaySample, Tracer};
 use points::Points;
@@ -81,22 +84,22 @@ struct Met {
 
 impl CBuffer {
     /// Makes the state before the first picture.
-    pub(crate) fn of(volume: &GridVolume, engine: &Engine) -> Option<Self> {
+    pub(crate) fn of(scene: &Scene, volume: &GridVolume, engine: &Engine) -> Option<Self> {
         let cloud = match engine.kernel()? {
-            TablesByPrecision::F32(tables) => cloud(volume, tables),
-            TablesByPrecision::F64(tables) => cloud(volume, tables),
+            TablesByPrecision::F32(tables) => cloud(volume, &visibility(scene, &tables.classifier)?),
+            TablesByPrecision::F64(tables) => cloud(volume, &visibility(scene, &tables.classifier)?),
         };
         Some(Self { cloud, points: None, checked: true, starts: Starts::default() })
     }
 
     /// Draws a view, each ray from where its start is proven.
     ///
-    /// `step` is the world length of the steps of the tracer's lattice.
+    /// `step` is the world length of the steps of the tracer's lattice, and `compositing` its operator.
     pub(crate) fn draw(
         &mut self,
         tracer: &dyn Tracer,
         volume: &GridVolume,
-        step: f64,
+        (step, compositing): (f64, Compositing),
         (view, layer): (&View, Option<&Layer>),
         control: &Control,
     ) -> Result<Rendered, RenderError> {
@@ -132,7 +135,7 @@ impl CBuffer {
                 empty: clear - part.start,
                 saved: start - part.start,
             });
-            steps_before(&part, start, step)
+            steps_before(&part, start, step, compositing)
         };
         let found = Mutex::new(vec![Met::default(); claims.len()]);
         let frame = by_tiles(view, control, &mut stats, &|pixels| {
@@ -165,7 +168,7 @@ impl CBuffer {
 }
 
 /// Makes the structure over blocks that proves starts.
-fn cloud<R: Real>(volume: &GridVolume, tables: &RenderTables<R>) -> ExactCloud {
+fn cloud<R: Real>(volume: &GridVolume, visibility: &Visibility<R>) -> ExactCloud {
     let ranges = RangeBlocks::of_volume(volume, FINE);
-    ExactCloud::new(&VisibleBlocks::new(volume.dims(), &ranges, &light_seen(tables)))
+    ExactCloud::new(&VisibleBlocks::new(volume.dims(), &ranges, visibility))
 }

@@ -43,34 +43,35 @@ use cells::Sight;
 use std::sync::Arc;
 
 use vr_core::{
-    Control, Counts, GridVolume, IndexRay, Layer, Ray, Rays, Real, RenderError, RenderStats, Rendered, View,
+    Compositing, Control, Counts, GridVolume, IndexRay, Layer, Ray, Rays, Real, RenderError, RenderStats, Rendered,
+    Scene, View,
 };
 
-use super::{distance_at_depth, light_seen, steps_before};
+use super::{distance_at_depth, steps_before};
 use crate::engine::Engine;
-use crate::leap::Visibility;
+use crate::leap::{Visibility, visibility};
 use crate::render_tables::TablesByPrecision;
 use crate::screen::{by_tiles, spots_of_pixel};
 use crate::tracer::{RaySample, Tracer};
 
 impl CoherenceBuffer {
     /// Makes the state before the first picture.
-    pub(crate) fn of(volume: &GridVolume, engine: &Engine) -> Option<Self> {
+    pub(crate) fn of(scene: &Scene, volume: &GridVolume, engine: &Engine) -> Option<Self> {
         let sight: Sight = match engine.kernel()? {
-            TablesByPrecision::F32(tables) => sight(light_seen(tables)),
-            TablesByPrecision::F64(tables) => sight(light_seen(tables)),
+            TablesByPrecision::F32(tables) => sight(visibility(scene, &tables.classifier)?),
+            TablesByPrecision::F64(tables) => sight(visibility(scene, &tables.classifier)?),
         };
         Some(Self::new(volume, sight))
     }
 
     /// Draws a view, each ray from where something can be seen first; rays that cannot see anything are not traced.
     ///
-    /// `step` is the world length of the steps of the tracer's lattice.
+    /// `step` is the world length of the steps of the tracer's lattice, and `compositing` its operator.
     pub(crate) fn draw(
         &mut self,
         tracer: &dyn Tracer,
         volume: &GridVolume,
-        step: f64,
+        (step, compositing): (f64, Compositing),
         (view, layer): (&View, Option<&Layer>),
         control: &Control,
     ) -> Result<Rendered, RenderError> {
@@ -81,7 +82,7 @@ impl CoherenceBuffer {
         let first_step = |ray: &Ray, pixel: usize, depth: f64| {
             let far = layer.map_or(f64::INFINITY, |l| l.depth(pixel));
             let part = IndexRay::new(ray, volume.placement(), volume.dims(), &view.clip, far)?;
-            Some(steps_before(&part, distance_at_depth(&part, ray, forward, depth), step))
+            Some(steps_before(&part, distance_at_depth(&part, ray, forward, depth), step, compositing))
         };
         let frame = by_tiles(view, control, &mut stats, &|pixels| {
             let (mut spots, mut starts) = (Vec::with_capacity(pixels.len()), Vec::with_capacity(pixels.len()));

@@ -1,28 +1,44 @@
 //! Template-based viewing: parallel rays that all step through the voxels alike.
 
 mod base_plane;
-mod tile;
+mod picture;
+mod rows;
+mod steps;
+mod walk;
 
+#[cfg(test)]
+mod tests;
+
+pub(crate) use walk::TemplateWalk;
+
+use std::sync::Arc;
+
+use glam::DVec3;
 use vr_core::image_order::in_parallel;
-use vr_core::{Control, Counts, Feature, Frame, GridVolume, Rays, RenderError, RenderStats, Rendered, Scene, View};
-use vr_kernels::tables::BakedTransfer;
+use vr_core::{
+    Control, Counts, Filter, Frame, GridVolume, Layer, ParameterError, Real, RenderError, RenderStats, Rendered, View,
+};
 
-use crate::capabilities::unsupported;
-use crate::caster::{CompositingOrder, RayCaster};
+use crate::classify::Classifier;
+use crate::pipeline::{Pipeline, RayPart, SharedSamples};
 use crate::screen::spots_of_pixel;
-use crate::table_range::table_range;
+use crate::table_range::baked;
 use crate::tracer::RaySample;
-use crate::walk::Lattice;
+use crate::walk::{Walk, WalkKind};
 use base_plane::BasePlane;
-use tile::{ACROSS, DOWN, TemplateRays, TemplateStep};
+use picture::BasePicture;
+use rows::{ACROSS, RowSamples};
+use steps::TemplateSteps;
 
 /// Samples that a ray template is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Connectivity {
     /// 26-connected voxels, which touch by a face, an edge or a corner, one in each slice: their own values, not interpolated.
     Discrete,
-    /// Points at equal distances, between the voxels: trilinear samples, with the same weights on all rays.
+    /// Points at equal distances, between the voxels: samples with the same weights on all rays.
     Continuous,
+    /// Steps from cell face to cell face, the very cells that a ray passes, each cut into equal steps where it is longer than the step.
+    Faces,
 }
 
 impl Connectivity {
@@ -31,166 +47,157 @@ impl Connectivity {
         match self {
             Self::Discrete => "template-discrete",
             Self::Continuous => "template-continuous",
+            Self::Faces => "template-faces",
         }
     }
 }
 
-/// Draws a view of a scene by a template; the caster can draw both.
+/// Rows of the base plane that a task traces.
+const DOWN: usize = 16;
+
+/// Draws an orthographic view by a template (Yagel and Kaufman, *Template-based volume viewing*, Computer Graphics Forum 11(3), 1992).
+///
+/// 1. The **base plane** is the face of the volume that looks at the eye most: the one across the axis along which rays go on
+///    fastest in index space. One ray starts at each of its lattice points (and beyond its edges, where rays enter by other faces).
+/// 2. The **template** is the way of one ray: discrete, one voxel in each slice, the nearest one (3D DDA, 26-connected); continuous, equal steps; or
+///    from cell face to cell face. Rays are parallel and start at lattice points: the others take the same way from their own start, and lie
+///    alike between the voxels in each step. Where a ray enters or leaves within a step, it takes the part of it that is inside.
+/// 3. The rays go **through the plain engine**, whose filters, rules, shading and operators take the steps that the template's walk hands out. A trilinear
+///    field without missing voxels is sampled for rows of neighbouring rays at once, with the weights that they share.
+/// 4. The base plane's picture is **warped** to the screen, bilinearly, and drawn over the surfaces of the view.
+///
+/// The rays are those of the plain engine, and what a ray shows is what that engine shows along it: with the continuous template the samples begin at
+/// the base plane, not where the ray enters, and with the discrete one they lie up to half a voxel beside the ray, of order 1 in the voxel's size. The
+/// picture is sampled once a voxel and interpolated: where it is smooth, an error of order 2 in the voxel's size, like the field's own; an edge, that of a
+/// surface among others, is as sharp as a voxel, not as a pixel. A ray ends at the surface of the pixel that it is nearest to.
 ///
 /// # Errors
-/// The error of a camera that makes no sense, or [`RenderError::Cancelled`].
-pub(crate) fn draw_by_template(
+/// A camera that makes no sense, or [`RenderError::Cancelled`].
+pub(crate) fn draw_by_template<R: Real>(
     connectivity: Connectivity,
-    caster: &RayCaster,
-    scene: &Scene,
+    pipeline: Pipeline<'_, R>,
     volume: &GridVolume,
-    view: &View,
     control: &Control,
 ) -> Result<Rendered, RenderError> {
-    let CompositingOrder::FrontToBack { termination } = caster.order else {
-        return Err(unsupported(Feature::Compositing, "compositing back to front with a template screen"));
-    };
-    let (low, high) = scene.volume.bounds();
-    let max_light = scene.max_radiance().over(low.distance(high));
-    let step = caster.world_step(volume.placement());
-    let template = Template { volume, connectivity, step, enough: 1.0 - (1.0 - termination) / max_light };
-    let range = table_range(volume, &scene.transfer);
-    let integer = volume.voxel_type().is_integer();
-    let bake = |length| BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, length);
-    template.draw(bake, view, control)
+    let mut stats = RenderStats::default();
+    let (view, step) = (pipeline.view, pipeline.walks.step);
+    let plane = BasePlane::new(view, volume.placement(), volume.dims())?;
+    // Whole steps of the discrete template are as long as a slice, whatever the view makes of it.
+    let of_slices = (connectivity == Connectivity::Discrete)
+        .then(|| stats.time("tables", || of_steps(pipeline.classifier, &pipeline, volume, plane.slice)));
+    let classifier = of_slices.as_ref().unwrap_or(pipeline.classifier);
+    let pipeline = Pipeline { classifier, ..pipeline };
+    let steps = TemplateSteps::new(connectivity, &plane, step, pipeline.offset);
+    let template = Template { plane, steps, volume, pipeline: &pipeline };
+    let picture = stats.time("base plane", || template.cast(control))?;
+    stats.counts = picture.counts;
+    let frame = stats.time("warp", || template.warp(&picture, control))?;
+    Ok(Rendered { frame, stats })
 }
 
-/// Volume and settings that a template is cast through.
-struct Template<'a> {
+/// Returns a classifier with a table for steps of a length, if it has one for another.
+fn of_steps<R: Real>(
+    classifier: &Classifier<R>,
+    pipeline: &Pipeline<'_, R>,
+    volume: &GridVolume,
+    length: f64,
+) -> Classifier<R> {
+    let is_wanted = classifier.table.is_some();
+    let table = is_wanted.then(|| baked(pipeline.scene, volume, length)).flatten();
+    Classifier { table: table.map(|table| (Arc::new(table), length)), ..classifier.clone() }
+}
+
+/// Template of a view, and the engine that takes its steps.
+struct Template<'a, R> {
+    plane: BasePlane,
+    steps: TemplateSteps,
     volume: &'a GridVolume,
-    connectivity: Connectivity,
-    /// World length of a step between the voxels.
-    step: f64,
-    /// Opacity at which rays may end.
-    enough: f64,
+    pipeline: &'a Pipeline<'a, R>,
 }
 
-impl Template<'_> {
-    /// Draws an orthographic view without surfaces (Yagel and Kaufman, *Template-based volume viewing*, Computer Graphics Forum 11(3),
-    /// 1992). `bake` makes the table for steps of a world length.
-    ///
-    /// 1. The **base plane** is the face of the volume that looks at the eye most: the one across the axis along which rays go on
-    ///    fastest in index space. One ray starts at each of its lattice points (and beyond its edges, where rays enter by other faces).
-    /// 2. The **template** is the way of one ray: discrete, one voxel in each slice, the nearest one (3D DDA, 26-connected); or
-    ///    continuous, the middles of equal steps, sampled trilinearly. Rays are parallel and start at lattice points: the others take the
-    ///    same way from their own start, with the same weights, and neighbours in memory are sampled together.
-    /// 3. The base plane's picture is **warped** to the screen, bilinearly.
-    ///
-    /// Differences from a ray through each pixel with steps of the same length:
-    ///
-    /// * The picture is sampled once a voxel and interpolated: where it is smooth, an error of order 2 in the voxel's size, like the
-    ///   field's own; an edge is as sharp as a voxel, not as a pixel.
-    /// * A step counts wholly if its sample is inside box and clip: at faces other than the base plane, of order 1 in the step.
-    /// * Discrete: a sample is up to half a voxel beside its ray, which leaves order 1 in the voxel's size. The first and the last slice
-    ///   count half.
-    /// * A voxel that is missing makes vacuum of the samples that would use it: trilinear ones of its cells, as everywhere; discrete ones
-    ///   of itself alone.
-    ///
-    /// # Errors
-    /// A camera that makes no sense, or [`RenderError::Cancelled`].
-    fn draw(
-        &self,
-        bake: impl Fn(f64) -> BakedTransfer<f32>,
-        view: &View,
-        control: &Control,
-    ) -> Result<Rendered, RenderError> {
-        let mut stats = RenderStats::default();
-        let rays = Rays::new(view)?;
-        let plane = BasePlane::new(view, self.volume.placement(), self.volume.dims())?;
-        let (steps, lengths) = self.steps(&plane);
-        let tables: Vec<BakedTransfer<f32>> = stats.time("tables", || lengths.into_iter().map(bake).collect());
-        let picture = stats.time("base plane", || self.cast(&plane, &steps, &tables, control))?;
-        stats.counts = picture.counts;
-        let frame = stats.time("warp", || self.warp(&plane, &picture, &rays, view, control))?;
-        Ok(Rendered { frame, stats })
-    }
-
-    /// Returns the template, and the world lengths of its steps.
-    fn steps(&self, plane: &BasePlane) -> (Vec<TemplateStep>, Vec<f64>) {
-        let last = plane.dims[2] - 1;
-        match self.connectivity {
-            Connectivity::Discrete => {
-                let step = |t: usize| {
-                    let at_end = t == 0 || t == last;
-                    let begin = (t as f64 - 0.5).max(0.0);
-                    let length = if at_end { 0.5 } else { 1.0 };
-                    TemplateStep { t: t as f64, begin, length, table: usize::from(at_end) }
-                };
-                ((0..=last).map(step).collect(), vec![plane.slice, 0.5 * plane.slice])
-            }
-            Connectivity::Continuous => {
-                let lattice = Lattice::new(0.0, last as f64 * plane.slice, self.step);
-                let step = |k: u32| {
-                    let (begin, length) = (lattice.begin(k) / plane.slice, lattice.length_of(k) / plane.slice);
-                    let table = usize::from(k + 1 == lattice.count && lattice.last != lattice.length);
-                    TemplateStep { t: (begin + 0.5 * length).min(last as f64), begin, length, table }
-                };
-                let mut lengths = vec![lattice.length];
-                lengths.extend((lattice.last != lattice.length).then_some(lattice.last));
-                ((0..lattice.count).map(step).collect(), lengths)
-            }
-        }
-    }
-
+impl<R: Real> Template<'_, R> {
     /// Casts the rays of the base plane; returns its picture.
-    fn cast(
-        &self,
-        plane: &BasePlane,
-        steps: &[TemplateStep],
-        tables: &[BakedTransfer<f32>],
-        control: &Control,
-    ) -> Result<BasePicture, RenderError> {
-        let [across, down] = [plane.size[0].div_ceil(ACROSS), plane.size[1].div_ceil(DOWN)];
-        let corner = |tile: u32| [tile as usize % across * ACROSS, tile as usize / across * DOWN];
-        let (grid, connectivity, enough) = (self.volume.values(), self.connectivity, self.enough);
-        let rays = TemplateRays { plane, grid, connectivity, steps, tables, enough };
+    fn cast(&self, control: &Control) -> Result<BasePicture, RenderError> {
+        let size = self.plane.size;
+        let [across, down] = [size[0].div_ceil(ACROSS), size[1].div_ceil(DOWN)];
+        let corner = |tile: usize| [tile % across * ACROSS, tile / across * DOWN];
+        let far = self.pipeline.layer.map(|layer| SurfaceDepths::new(layer, self.pipeline.view)).transpose()?;
         let tiles = in_parallel(control, (across * down) as u32, |tile| {
             let mut counts = Counts::default();
-            (rays.tile(corner(tile), &mut counts), counts)
+            (self.tile(corner(tile as usize), far.as_ref(), &mut counts), counts)
         })?;
-        let pixels = plane.size[0] * plane.size[1];
-        let mut picture = BasePicture {
-            size: plane.size,
-            rgba: vec![[0.0; 4]; pixels],
-            depth: vec![f32::INFINITY; pixels],
-            counts: Counts::default(),
-        };
+        let rays = vec![RaySample::NOTHING; size[0] * size[1]];
+        let mut picture = BasePicture { size, rays, counts: Counts::default() };
         for (i, (tile, counts)) in tiles.into_iter().enumerate() {
             picture.counts += counts;
-            let [x, y] = corner(i as u32);
-            let width = ACROSS.min(plane.size[0] - x);
-            for (row, (rgba, depth)) in tile.rgba.chunks(width).zip(tile.depth.chunks(width)).enumerate() {
-                let start = (y + row) * plane.size[0] + x;
-                picture.rgba[start..start + width].copy_from_slice(rgba);
-                picture.depth[start..start + width].copy_from_slice(depth);
+            let [x, y] = corner(i);
+            let width = ACROSS.min(size[0] - x);
+            for (row, rays) in tile.chunks(width).enumerate() {
+                let start = (y + row) * size[0] + x;
+                picture.rays[start..start + width].copy_from_slice(rays);
             }
         }
         Ok(picture)
     }
 
-    /// Warps the picture from the base plane to the screen.
-    fn warp(
-        &self,
-        plane: &BasePlane,
-        picture: &BasePicture,
-        rays: &Rays,
-        view: &View,
-        control: &Control,
-    ) -> Result<Frame, RenderError> {
+    /// Traces the rays of a tile, row by row; depths are distances from the base plane.
+    fn tile(&self, corner: [usize; 2], surfaces: Option<&SurfaceDepths<'_>>, counts: &mut Counts) -> Vec<RaySample> {
+        let Self { plane, steps, volume, pipeline } = self;
+        let across = ACROSS.min(plane.size[0] - corner[0]);
+        let down = DOWN.min(plane.size[1] - corner[1]);
+        let mut operator = pipeline.operator();
+        let mut scratch = pipeline.scratch(operator.as_mut());
+        // Voxels lie beside their rays, where no structure over empty space looks.
+        let leaper = match pipeline.walks.kind {
+            WalkKind::Lattice(leaper) if !steps.beside => leaper,
+            _ => None,
+        };
+        let filter = volume.filter();
+        let are_shared = filter == Filter::Trilinear || steps.beside && filter == Filter::Nearest;
+        let mut samples =
+            (are_shared && volume.vacuum_cells().is_none()).then(|| RowSamples::new(plane, steps, volume.values()));
+        let mut rays = Vec::with_capacity(across * down);
+        for row in 0..down {
+            let first = [plane.first[0] + corner[0] as i64, plane.first[1] + (corner[1] + row) as i64];
+            if let Some(samples) = &mut samples {
+                samples.begin(first);
+            }
+            for ray in 0..across {
+                let pixel = [first[0] + ray as i64, first[1]];
+                let far = surfaces.map_or(f64::INFINITY, |s| s.depth(volume.placement().to_world(plane.place(pixel))));
+                let Some(part) = plane.part(pixel, far) else {
+                    rays.push(RaySample::NOTHING);
+                    continue;
+                };
+                let walk = TemplateWalk::new(plane, steps, leaper, (pixel, &part), scratch.needs());
+                let shared = samples.as_mut().map(|samples| {
+                    samples.ask_for(ray);
+                    samples as &mut dyn SharedSamples<R>
+                });
+                let whole = RayPart { direction: plane.forward, part, walk: Walk::Template(walk), shared };
+                let mut value = pipeline.trace_part(&mut scratch, whole, counts);
+                value.depth -= part.offset;
+                rays.push(value.into());
+            }
+        }
+        rays
+    }
+
+    /// Warps the picture from the base plane to the screen, over the surfaces of the view.
+    fn warp(&self, picture: &BasePicture, control: &Control) -> Result<Frame, RenderError> {
+        let Self { plane, volume, pipeline, .. } = self;
+        let view = pipeline.view;
         let rows = in_parallel(control, view.size[1], |y| {
+            // Rays of one pixel.
+            let mut values = Vec::new();
             let pixel = |x: u32| {
-                let values: Vec<RaySample> = spots_of_pixel(view, [x, y])
-                    .map(|spot| {
-                        let (at, distance) = plane.meet(&rays.at(spot.x, spot.y), self.volume.placement());
-                        let slices = f64::from(picture.nearest_depth(at));
-                        RaySample { rgba: picture.between(at), depth: (distance + slices * plane.slice) as f32 }
-                    })
-                    .collect();
+                values.clear();
+                values.extend(spots_of_pixel(view, [x, y]).map(|spot| {
+                    let (at, distance) = plane.meet(&pipeline.rays.at(spot.x, spot.y), volume.placement());
+                    let depth = (distance + f64::from(picture.nearest_depth(at))) as f32;
+                    let value = RaySample { rgba: picture.between(at), depth };
+                    pipeline.layer.map_or(value, |layer| value.over(layer, spot.pixel))
+                }));
                 RaySample::mean(&values)
             };
             (0..view.size[0]).map(pixel).collect::<Vec<RaySample>>()
@@ -200,37 +207,28 @@ impl Template<'_> {
     }
 }
 
-/// The picture on the base plane.
-struct BasePicture {
-    size: [usize; 2],
-    rgba: Vec<[f32; 4]>,
-    /// Position where opacity reaches ½, in slices from the plane.
-    depth: Vec<f32>,
-    counts: Counts,
+/// Depths of the surfaces in a view, for rays between its pixels.
+struct SurfaceDepths<'a> {
+    layer: &'a Layer,
+    view: &'a View,
+    /// World directions to the right and down, in pixels per world unit.
+    right: DVec3,
+    down: DVec3,
 }
 
-impl BasePicture {
-    /// Returns the colour between pixels, bilinear; clear beyond the edges.
-    fn between(&self, at: [f64; 2]) -> [f32; 4] {
-        let whole = at.map(f64::floor);
-        let [tu, tv] = [0, 1].map(|a| (at[a] - whole[a]) as f32);
-        let pixel = |du: i64, dv: i64| {
-            let [u, v] = [whole[0] as i64 + du, whole[1] as i64 + dv];
-            let inside = (0..self.size[0] as i64).contains(&u) && (0..self.size[1] as i64).contains(&v);
-            if inside { self.rgba[v as usize * self.size[0] + u as usize] } else { [0.0; 4] }
-        };
-        let corners = [pixel(0, 0), pixel(1, 0), pixel(0, 1), pixel(1, 1)];
-        std::array::from_fn(|c| {
-            let a = corners[0][c] + tu * (corners[1][c] - corners[0][c]);
-            let b = corners[2][c] + tu * (corners[3][c] - corners[2][c]);
-            a + tv * (b - a)
-        })
+impl<'a> SurfaceDepths<'a> {
+    fn new(layer: &'a Layer, view: &'a View) -> Result<Self, ParameterError> {
+        let frame = view.camera.frame()?;
+        let per_unit = f64::from(view.size[1]) / view.camera.projection.height();
+        Ok(Self { layer, view, right: frame.x_axis * per_unit, down: -frame.y_axis * per_unit })
     }
 
-    /// Returns the depth of the nearest pixel: the mean of depths on two sides of an edge means nothing.
-    fn nearest_depth(&self, at: [f64; 2]) -> f32 {
-        let [u, v] = at.map(|x| (x + 0.5).floor());
-        let inside = u >= 0.0 && v >= 0.0 && u < self.size[0] as f64 && v < self.size[1] as f64;
-        if inside { self.depth[v as usize * self.size[0] + u as usize] } else { f32::INFINITY }
+    /// Returns the depth of the pixel that is nearest to a point's.
+    fn depth(&self, world: DVec3) -> f64 {
+        let (at, [w, h]) = (world - self.view.camera.eye, self.view.size);
+        // `as` saturates at 0.
+        let [x, y] = [(self.right, w), (self.down, h)]
+            .map(|(axis, size)| ((at.dot(axis) + 0.5 * f64::from(size)) as usize).min(size as usize - 1));
+        self.layer.depth(y * w as usize + x)
     }
 }
