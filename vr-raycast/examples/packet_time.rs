@@ -20,6 +20,24 @@ fn shade_analytic(scene: &mut Scene) {
     scene.shading = Some(Arc::new(Shading { gradient: GradientMethod::Analytic, ..Shading::default() }));
 }
 
+fn modulate(scene: &mut Scene) {
+    let shading = Shading { gradient_opacity: vec![(0.0, 0.2), (0.5, 2.0)], ..Shading::default() };
+    scene.shading = Some(Arc::new(shading));
+}
+
+/// Makes every thousandth voxel a missing one.
+fn pierce(scene: &mut Scene) {
+    let grid = scene.volume.grid().unwrap();
+    let [nx, ny, nz] = grid.dims();
+    let place = |i: usize| [i % nx, i / nx % ny, i / (nx * ny)].map(|x| x as f64);
+    let value =
+        |i: usize| if i.is_multiple_of(997) { f64::NAN } else { grid.calibration().value(grid.stored_at(place(i))) };
+    let samples = (0..nx * ny * nz).map(|i| value(i) as f32).collect();
+    let filter = grid.filter();
+    let grid = UniformGrid::new([nx, ny, nz], samples, *grid.placement(), Calibration::default()).unwrap();
+    scene.volume = Volume::from(grid).with_filter(filter);
+}
+
 fn color(scene: &mut Scene) {
     let grid = scene.volume.grid().unwrap();
     let channel = |c: usize| (0..grid.dims().iter().product()).map(|i: usize| ((i >> (4 * c)) * 4096) as u16).collect();
@@ -35,6 +53,8 @@ fn cases() -> Vec<Case> {
     let (uniform, local) =
         (RayCaster::uniform(0.5), RayCaster { step: Step::Local { error: 1e-3 }, ..RayCaster::uniform(0.5) });
     let rule = |rule| RayCaster { rule, ..RayCaster::uniform(0.5) };
+    let local_rule = |rule| RayCaster { rule, ..local.clone() };
+    let (local_linear, local_quadratic) = (local_rule(Rule::Linear), local_rule(Rule::Quadratic));
     vec![
         ("over", |_| (), uniform.clone()),
         ("over-shaded", shade, uniform.clone()),
@@ -48,11 +68,21 @@ fn cases() -> Vec<Case> {
             },
             uniform,
         ),
-        ("accumulate-local", accumulate, local),
+        ("accumulate-local", accumulate, local.clone()),
         ("linear", |_| (), rule(Rule::Linear)),
         ("linear-shaded", shade, rule(Rule::Linear)),
         ("quadratic", |_| (), rule(Rule::Quadratic)),
         ("quadratic-shaded", shade, rule(Rule::Quadratic)),
+        ("linear-local", |_| (), local_linear.clone()),
+        ("linear-local-shaded", shade, local_linear.clone()),
+        ("quadratic-local", |_| (), local_quadratic.clone()),
+        ("quadratic-local-shaded", shade, local_quadratic),
+        ("linear-gradient-opacity", modulate, rule(Rule::Linear)),
+        ("quadratic-gradient-opacity", modulate, rule(Rule::Quadratic)),
+        ("linear-local-gradient-opacity", modulate, local_linear.clone()),
+        ("linear-holes", pierce, rule(Rule::Linear)),
+        ("quadratic-holes", pierce, rule(Rule::Quadratic)),
+        ("linear-local-holes", pierce, local_linear),
         ("over-shaded-analytic", shade_analytic, RayCaster::uniform(0.5)),
         ("maximum", |scene| scene.compositing = Compositing::Maximum, RayCaster::uniform(0.5)),
         ("colors", color, RayCaster::uniform(0.5)),

@@ -5,7 +5,7 @@ use vr_core::{
     Compositing, Configurable, Feature, Field, ParameterError, Projection, RenderError, Scene, Unsupported, View,
 };
 
-use crate::caster::{CompositingOrder, ImageSampling, RayCaster, Rule, Step, Traversal, knows_ranges};
+use crate::caster::{CompositingOrder, ImageSampling, RayCaster, Rule, Step, TransferLookup, Traversal, knows_ranges};
 use crate::error_bound::ErrorBound;
 use crate::options::STEP;
 use crate::source::Source;
@@ -41,6 +41,15 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderE
         return Err(unsupported(
             Feature::Setting,
             format!("a termination under '{}': no opacity is gathered", scene.compositing.name()),
+        ));
+    }
+    if caster.transfer_lookup == TransferLookup::Table && !scene.compositing.integrates_light() {
+        return Err(unsupported(
+            Feature::Setting,
+            format!(
+                "classification=table under '{}', which looks at values: set auto or exact",
+                scene.compositing.name()
+            ),
         ));
     }
     let samples_all = !scene.compositing.integrates_light() && !matches!(scene.compositing, Compositing::First { .. });

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use vr_core::{Placement, RenderError, Scene};
+use vr_core::{Feature, Placement, RenderError, Scene};
 
-use crate::caster::{RayCaster, Step};
+use crate::capabilities::unsupported;
+use crate::caster::{RayCaster, Step, TransferLookup};
 use crate::error_bound::ErrorBound;
 use crate::pace::{Lengths, cells_of_parts};
 use crate::packet::{PacketEngine, PatchEngine, PickEngine};
@@ -52,7 +53,7 @@ impl Engine {
     /// Makes the engine of a scene, and takes over from `last` what has not changed since.
     ///
     /// # Errors
-    /// An error bound that cannot be kept.
+    /// An error bound that cannot be kept; a table where the engine uses none.
     pub(crate) fn new(
         caster: &RayCaster,
         scene: &Scene,
@@ -64,6 +65,13 @@ impl Engine {
             let lengths = lengths(caster, scene, source.placement());
             return Ok(match PatchEngine::new(caster, scene, source, lengths.clone()) {
                 Some(engine) => Self::Patches(Box::new(engine), kernel, lengths),
+                None if caster.transfer_lookup == TransferLookup::Table => {
+                    let what = format!(
+                        "classification=table in volumes of the kind '{}' where rays go one by one, which evaluate the transfer function: auto or exact",
+                        scene.volume.kind()
+                    );
+                    return Err(unsupported(Feature::Setting, what));
+                }
                 None => Self::Field(kernel, lengths),
             });
         };

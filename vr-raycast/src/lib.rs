@@ -100,9 +100,9 @@
 //! samples at distances miss. On smooth scenes it takes some two to four times as long as plain steps of ⅕.
 //!
 //! # What it does not do yet
-//! Its vector kernels ([`Vector`] says what they draw) know pre-integration in whole fields and steps of one length alone, and no local steps under the filter
-//! `nearest`: the rest goes ray by ray. Local steps beside voxels with colours are a sixth of a voxel at most. Volumes that are no uniform grids it draws by the rules midpoint and left alone, and those that
-//! are neither adaptive meshes nor rectilinear grids, whose ranges of values are known part by part, in uniform steps. Rectilinear grids go ray by ray. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
+//! Its vector kernels ([`Vector`] says what they draw) know grids, adaptive meshes and rectilinear grids: scattered points, meshes of cells and functions go
+//! ray by ray. Local steps beside voxels with colours are a sixth of a voxel at most. Volumes that are no uniform grids it draws by the rules midpoint and left alone, and those that
+//! are neither adaptive meshes nor rectilinear grids, whose ranges of values are known part by part, in uniform steps. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
 
 // What the modules hold for classics alone; the check for dead code is that with all features.
 #![cfg_attr(not(feature = "classics"), allow(dead_code))]

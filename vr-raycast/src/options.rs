@@ -157,7 +157,10 @@ fn other_options() -> [DeclaredOption<RayCaster>; 11] {
         .refuse("steps of this kind follow the medium, not cells or voxels: must be samples", |c| {
             c.traversal != Traversal::Samples && !matches!(c.step, Step::Auto | Step::Uniform(_))
         })
-        .refuse("goes with rule=midpoint only", classics::is_rule_beyond_voxels),
+        .refuse("goes with rule=midpoint only", classics::is_rule_beyond_voxels)
+        .refuse("whole voxels and whole cells have no other steps: needs steps=auto, and no step", |c| {
+            c.takes_whole_parts() && c.step != Step::Auto
+        }),
         DeclaredOption::choice(
             "order",
             "from which end samples are composited; back-to-front is for over alone",
@@ -172,13 +175,17 @@ fn other_options() -> [DeclaredOption<RayCaster>; 11] {
             |c: &RayCaster| c.filter,
             |c, filter| c.filter = filter,
         ),
-        DeclaredOption::choice(
+        DeclaredOption::<RayCaster>::choice(
             "classification",
-            "how a value becomes light and opacity: looked up, or evaluated at every sample",
-            [("table", TransferLookup::Table), ("exact", TransferLookup::Exact)],
+            "how a value becomes light and opacity: looked up, or evaluated at every sample; auto: looked up where a table serves",
+            [("auto", TransferLookup::Auto), ("table", TransferLookup::Table), ("exact", TransferLookup::Exact)],
             |c: &RayCaster| c.transfer_lookup,
             |c, classification| c.transfer_lookup = classification,
-        ),
+        )
+        .refuse("rule=exact and a promised error evaluate the transfer function: must be auto or exact", |c| {
+            let is_evaluated = c.rule == Rule::Exact || matches!(c.step, Step::ErrorBound(_));
+            is_evaluated && c.transfer_lookup == TransferLookup::Table
+        }),
         DeclaredOption::choice(
             "precision",
             "precision of the kernels",

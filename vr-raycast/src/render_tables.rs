@@ -136,7 +136,7 @@ impl<R: Real> RenderTables<R> {
         };
         let last = last.filter(|(old, _)| same_light(old, scene)).map(|(_, tables)| tables);
         let lights = scene.compositing.integrates_light();
-        let wanted = caster.transfer_lookup == TransferLookup::Table && lights;
+        let wanted = caster.transfer_lookup != TransferLookup::Exact && lights;
         let profile = shape(caster).filter(|_| lights).map(|shape| {
             let kept = last.and_then(|i| i.classifier.profile.as_ref());
             let made = || preintegrated(scene, volume);

@@ -44,7 +44,7 @@ impl Documented for RayCaster {
         {
             all.extend(uniform(rule, steps));
         }
-        let exact_cells = Self { rule: Rule::Exact, traversal: Traversal::Cells, ..Self::uniform(1.0) };
+        let exact_cells = Self { rule: Rule::Exact, traversal: Traversal::Cells, ..Self::default() };
         all.push(named("exact cells".to_owned(), &exact_cells));
 
         #[cfg(feature = "classics")]

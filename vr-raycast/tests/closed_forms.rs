@@ -14,7 +14,7 @@ const F32: f64 = 1.2e-7;
 fn kernels(base: &RayCaster) -> Vec<RayCaster> {
     let mut all = Vec::new();
     for precision in [Precision::F32, Precision::F64] {
-        for classification in [TransferLookup::Table, TransferLookup::Exact] {
+        for classification in [TransferLookup::Auto, TransferLookup::Exact] {
             all.push(RayCaster { precision, transfer_lookup: classification, ..base.clone() });
         }
     }

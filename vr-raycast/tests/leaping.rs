@@ -148,7 +148,7 @@ proptest! {
                 _ if whole => CompositingOrder::WHOLE_RAY,
                 _ => CompositingOrder::default(),
             },
-            transfer_lookup: if exact { TransferLookup::Exact } else { TransferLookup::Table },
+            transfer_lookup: if exact { TransferLookup::Exact } else { TransferLookup::Auto },
             precision: if double { Precision::F64 } else { Precision::F32 },
             ..RayCaster::uniform(0.2)
         };

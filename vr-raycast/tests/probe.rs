@@ -30,7 +30,7 @@ fn casters() -> Vec<RayCaster> {
         RayCaster { step: Step::Uniform(0.7), rule: Rule::Quadratic, order: whole, ..plain.clone() },
         RayCaster { step: Step::Uniform(0.4), order: CompositingOrder::BackToFront, ..plain.clone() },
         RayCaster { rule: Rule::Quadratic, traversal: Traversal::Cells, ..plain.clone() },
-        RayCaster { step: Step::Uniform(1.0), traversal: Traversal::Voxels, ..plain.clone() },
+        RayCaster { step: Step::Auto, traversal: Traversal::Voxels, ..plain.clone() },
         RayCaster::exact(0.5),
     ]
 }

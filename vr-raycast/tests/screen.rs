@@ -533,7 +533,7 @@ fn adaptive_refines_whatever_traces() {
     let view = View::new(Camera::framing(scene.volume.bounds(), 33.0, 21.0, None), [120, 120]);
     for (step, traversal, rule) in [
         (Step::Uniform(1.0), Traversal::Cells, Rule::Quadratic),
-        (Step::Uniform(1.0), Traversal::Voxels, Rule::Midpoint),
+        (Step::Auto, Traversal::Voxels, Rule::Midpoint),
         (Step::Local { error: 0.002 }, Traversal::Samples, Rule::Midpoint),
     ] {
         let draw = |screen| {

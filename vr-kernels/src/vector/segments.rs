@@ -74,25 +74,32 @@ impl SegmentTable {
         &self.table
     }
 
-    /// Light (r, g, b) and opacity of two stretches, one behind the other, each `length` world units long, on which the value goes linearly from the
+    /// Light (r, g, b) and opacity of two stretches, one behind the other, of two lengths in world units, on which the value goes linearly from the
     /// first number to the second, and from that to the third; of the rays in `live`.
     ///
     /// Its own function: the same for all kernels of a level.
     #[inline(never)]
-    pub fn lines<S: Simd>(&self, simd: S, values: &[Lanes; 3], length: &Lanes, live: u32, light: &mut [[Lanes; 4]; 2]) {
+    pub fn lines<S: Simd>(
+        &self,
+        simd: S,
+        values: &[Lanes; 3],
+        length: [&Lanes; 2],
+        live: u32,
+        light: &mut [[Lanes; 4]; 2],
+    ) {
         simd.vectorize(
             #[inline(always)]
             || {
                 let values = [values[0].load(simd), values[1].load(simd), values[2].load(simd)];
-                let [first, second] = self.two(simd, values, length.load(simd));
+                let [first, second] = self.two(simd, values, [length[0].load(simd), length[1].load(simd)]);
                 *light = [in_lanes(first), in_lanes(second)];
                 let met = self.met(simd, values, splat(simd, 0.0)) & live;
                 if met != 0 {
                     let values = [Lanes::new(values[0]), Lanes::new(values[1]), Lanes::new(values[2])];
                     for i in (0..LANES).filter(|i| met >> i & 1 == 1) {
                         let at = [values[0].0[i], values[1].0[i], values[2].0[i]];
-                        set(&mut light[0], i, self.table.segment(at[0], at[1], length.0[i]));
-                        set(&mut light[1], i, self.table.segment(at[1], at[2], length.0[i]));
+                        set(&mut light[0], i, self.table.segment(at[0], at[1], length[0].0[i]));
+                        set(&mut light[1], i, self.table.segment(at[1], at[2], length[1].0[i]));
                     }
                 }
             },
@@ -111,7 +118,8 @@ impl SegmentTable {
                 let [front, middle, back] = [values[0].load(simd), values[1].load(simd), values[2].load(simd)];
                 let raise = (middle - (front + back) * 0.5) * (1.0 / 6.0);
                 let raised = [front + raise, middle + raise, back + raise];
-                let [first, second] = self.two(simd, raised, length.load(simd) * 0.5);
+                let half = length.load(simd) * 0.5;
+                let [first, second] = self.two(simd, raised, [half, half]);
                 let clear = splat(simd, 1.0) - first[3];
                 *light = in_lanes([
                     first[0] + clear * second[0],
@@ -146,9 +154,9 @@ impl SegmentTable {
 
     /// Light of two stretches that share their middle value, without walls.
     #[inline(always)]
-    fn two<S: Simd>(&self, simd: S, [a, b, c]: [f32x16<S>; 3], length: f32x16<S>) -> [[f32x16<S>; 4]; 2] {
+    fn two<S: Simd>(&self, simd: S, [a, b, c]: [f32x16<S>; 3], length: [f32x16<S>; 2]) -> [[f32x16<S>; 4]; 2] {
         let (a, b, c) = (self.places(simd, a), self.places(simd, b), self.places(simd, c));
-        [self.between(simd, a, b, length), self.between(simd, b, c, length)]
+        [self.between(simd, a, b, length[0]), self.between(simd, b, c, length[1])]
     }
 
     #[inline(always)]
@@ -288,22 +296,23 @@ mod tests {
                 // Close together, and far apart.
                 let spread = if round % 2 == 0 { 0.01 } else { 1.0 };
                 let mut values = [Lanes::ZERO; 3];
-                let mut length = Lanes::ZERO;
+                let (mut length, mut other) = (Lanes::ZERO, Lanes::ZERO);
                 for i in 0..LANES {
                     let first = 2.4 * random() - 0.2;
                     values[0].0[i] = first;
                     values[1].0[i] = if i % 5 == 0 { first } else { first + spread * (random() - 0.5) };
                     values[2].0[i] = first + spread * (random() - 0.5);
                     length.0[i] = if i % 3 == 0 { 2.0 * random() } else { 0.01 };
+                    other.0[i] = random();
                 }
                 let (mut lines, mut bow) = ([[Lanes::ZERO; 4]; 2], [Lanes::ZERO; 4]);
                 dispatch!(Level::new(), simd => {
-                    lanes.lines(simd, &values, &length, u32::MAX, &mut lines);
+                    lanes.lines(simd, &values, [&length, &other], u32::MAX, &mut lines);
                     lanes.parabola(simd, &values, &length, u32::MAX, &mut bow);
                 });
                 for i in 0..LANES {
                     let [a, b, c] = [values[0].0[i], values[1].0[i], values[2].0[i]];
-                    let wants = [table.segment(a, b, length.0[i]), table.segment(b, c, length.0[i])];
+                    let wants = [table.segment(a, b, length.0[i]), table.segment(b, c, other.0[i])];
                     let found = [lines[0], lines[1], bow];
                     for (want, found) in wants.into_iter().chain([table.segment3(a, b, c, length.0[i])]).zip(found) {
                         for k in 0..4 {

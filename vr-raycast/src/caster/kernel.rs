@@ -3,9 +3,14 @@
 /// Way in which the transfer function is evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TransferLookup {
+    /// Look-up wherever a table serves; evaluation elsewhere.
+    #[default]
+    Auto,
     /// Look-up in a table made for the step's length; see [`vr_kernels::tables::BakedTransfer`] for what that adds to the error.
     /// A transfer function that tells apart what no table of some thousand entries can is evaluated exactly after all.
-    #[default]
+    ///
+    /// Where nothing is looked up in a table, whatever the transfer function, it is refused: under operators that pick a value, by
+    /// [`Rule::Exact`](super::Rule::Exact), under an error bound, and in fields that the plain engine draws and that are no grids.
     Table,
     /// Evaluation at every sample in f64: slow, for study and for transfer functions finer than any table.
     Exact,
@@ -24,10 +29,11 @@ pub enum Precision {
 
 /// Instructions that the vector engine may use.
 ///
-/// It draws `over` and `accumulate` under every filter, front to back, in f32 with a table, by the rules `midpoint`, `left`, `linear` and `quadratic`
-/// under uniform steps and by `midpoint` under local ones (but for the filter `nearest`, whose local steps end at the faces of voxels), unshaded or shaded by
-/// gradients of either kind; samples may be missing, and voxels may have colours. Opacity may follow the gradient, by `midpoint` and `left`. It picks values, too (but no
-/// mean of colours). Grids of fewer than four voxels along x have no rows for filters of four taps. Everything else goes through the plain engine. Under uniform steps it leaps by cubes of blocks of its own; with
+/// It draws `over` and `accumulate` under every filter, front to back, in f32 with a table, by the rules `midpoint`, `linear` and `quadratic` in uniform and
+/// in local steps, and by `left` in uniform ones; unshaded or shaded by gradients of either kind; opacity may follow the gradient, samples may be missing,
+/// and voxels may have colours. It picks values, too (but no mean of colours). Grids of fewer than four voxels along x have no rows for filters of four taps.
+/// Scattered points it draws under `over` and `accumulate` by `midpoint` and `left`, shaded or not, with opacity by the gradient, while lists of the points near
+/// each place fit into 320 MB. Everything else goes through the plain engine. Under uniform steps it leaps by cubes of blocks of its own; with
 /// [`EmptySpace::None`](super::EmptySpace::None), not at all. A structure that is asked for by name is the plain engine's.
 ///
 /// Pictures do not depend on the instructions, bit for bit; from the plain engine's they differ by rounding.

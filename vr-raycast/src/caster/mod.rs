@@ -82,6 +82,7 @@ impl RayCaster {
     /// Returns the caster that draws a scene: [`Step::Auto`] is replaced by the steps that it means there. Local steps follow what is known of the ranges of values.
     pub(crate) fn settled_for(&self, scene: &Scene) -> Self {
         let step = match (self.step, self.traversal) {
+            (Step::Auto, _) if self.takes_whole_parts() => Step::Auto,
             (Step::Auto, _) if !self.follows_light(scene) || !knows_ranges(&scene.volume) => {
                 Step::Uniform(Step::OTHERWISE)
             }
@@ -89,6 +90,15 @@ impl RayCaster {
             (step, _) => step,
         };
         Self { step, ..self.clone() }
+    }
+
+    /// True if every step is one voxel, or one cell that need not be cut.
+    pub(crate) fn takes_whole_parts(&self) -> bool {
+        #[cfg(feature = "classics")]
+        if self.traversal == Traversal::Voxels {
+            return true;
+        }
+        self.rule == Rule::Exact
     }
 
     /// True if light is added up along a ray from its begin on, so that steps can follow it.
@@ -115,7 +125,7 @@ impl RayCaster {
     /// Returns the world length that no step of a walk exceeds; +∞ where cells are not cut, since cutting gains nothing where the rule is exact already.
     pub(crate) fn longest_step(&self, placement: &Placement) -> f64 {
         match (self.traversal, self.rule, self.step) {
-            (_, Rule::Exact, _) | (Traversal::Cells, _, Step::Auto) => f64::INFINITY,
+            (Traversal::Cells, _, Step::Auto) => f64::INFINITY,
             _ => self.world_step(placement),
         }
     }

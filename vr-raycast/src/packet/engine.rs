@@ -17,17 +17,19 @@ use vr_kernels::vector::{
     self, Field, LANES, Lanes, OpticsTable, PacketLights, PacketShading, Rows, SegmentTable, Vectorized,
 };
 
+use super::course::Course;
 use super::fields::{FilteredField, PacketField, can_sample};
 use super::leap::Distances;
 use super::level;
 use super::local::{LocalSteps, by_byte};
 use super::march::{LatticeSteps, MarchSteps, Medium, march};
-use super::segments::SegmentSteps;
+use super::segments::{SegmentLengths, SegmentSteps};
 use super::setup::{FrameSetup, Packet};
 use crate::caster::{CompositingOrder, EmptySpace, RayCaster, Rule, Step, TransferLookup, Traversal};
 use crate::leap::{Visibility, VisibleBlocks};
 use crate::near_depths::NearDepths;
 use crate::render_tables::RenderTables;
+use crate::rule::Shape;
 use crate::silhouette::Hull;
 use crate::step_map::StepMap;
 use crate::table_range::baked;
@@ -38,7 +40,8 @@ use crate::tracer::{RaySample, Tracer};
 pub(crate) struct PacketEngine {
     pub(crate) volume: Arc<GridVolume>,
     pub(crate) level: Level,
-    pub(crate) steps: PacketSteps,
+    pub(crate) lengths: PacketLengths,
+    pub(crate) light: StepLight,
     /// Hull of the visible blocks; `None` without leaping.
     pub(crate) hull: Option<Hull>,
     /// Table for steps of any length, in units of `step`.
@@ -61,42 +64,38 @@ pub(crate) struct PacketEngine {
     colors: Option<Arc<ColorGrid>>,
 }
 
-/// Steps of the packets' rays.
+/// Lengths of the steps of the packets' rays.
 #[derive(Clone, Debug)]
-pub(crate) enum PacketSteps {
-    /// Steps of one length.
-    Lattice {
-        /// Table for whole steps.
-        table: Arc<BakedTransfer<f32>>,
-        /// Distances to the nearest visible blocks; `None` if nothing is leaped over.
-        distances: Option<Distances>,
-    },
-    /// Steps of the length that each place asks for.
+pub(crate) enum PacketLengths {
+    /// One length. With the distances to the nearest visible blocks; `None` if nothing is leaped over.
+    Lattice(Option<Distances>),
+    /// The length that each place asks for.
     Local {
         map: Arc<StepMap>,
         /// Step by the byte of the map; see [`by_byte`].
         by_byte: Box<[f32; 256]>,
     },
-    /// Steps of one length along which the value changes.
-    Segments {
+}
+
+/// Source of the light of a step.
+#[derive(Clone, Debug)]
+pub(crate) enum StepLight {
+    /// One sample, and a table for whole steps.
+    Sample(Arc<BakedTransfer<f32>>),
+    /// All values of a step, by a table of antiderivatives.
+    Course {
         table: SegmentTable,
-        /// Distances to the nearest visible blocks; `None` if nothing is leaped over.
-        distances: Option<Distances>,
         /// True if the value is a parabola, and not a line.
         is_parabola: bool,
     },
 }
 
-impl PacketSteps {
+impl PacketLengths {
     /// Returns the blocks in which something may be visible.
     fn visible(&self, dims: [usize; 3]) -> VisibleBlocks {
         match self {
-            Self::Lattice { distances: Some(distances), .. } | Self::Segments { distances: Some(distances), .. } => {
-                distances.visible(dims)
-            }
-            Self::Lattice { distances: None, .. } | Self::Segments { distances: None, .. } => {
-                VisibleBlocks::from_fn(dims, 2 * EDGE, |_| true)
-            }
+            Self::Lattice(Some(distances)) => distances.visible(dims),
+            Self::Lattice(None) => VisibleBlocks::from_fn(dims, 2 * EDGE, |_| true),
             Self::Local { map, .. } => map.visible(dims),
         }
     }
@@ -127,7 +126,7 @@ impl PacketEngine {
         };
         let common = !scene.transfer.has_rows()
             && caster.traversal == Traversal::Samples
-            && caster.transfer_lookup == TransferLookup::Table;
+            && caster.transfer_lookup != TransferLookup::Exact;
         // The structures that leap along whole rays are the plain engine's.
         if caster.empty_space.is_named() {
             return None;
@@ -144,37 +143,42 @@ impl PacketEngine {
         };
         let shading = tables.shader.as_ref().and_then(|s| s.for_packets(scene.reflection().is_some()));
         let leaps = caster.empty_space != EmptySpace::None;
-        // Choose the kind of steps, and the table that it looks light up in.
-        let (table, steps) = match (caster.step, &tables.step_map) {
-            (Step::Uniform(_), _) if matches!(caster.rule, Rule::Linear | Rule::Quadratic) => {
-                // Steps that end in holes, and opacity by the gradient of steps of many values, are the plain engine's.
-                if volume.vacuum_cells().is_some() || shading.as_ref().is_some_and(|s| s.modulation.is_some()) {
-                    return None;
-                }
-                let table = tables.classifier.profile.as_ref()?.table.as_ref()?;
-                let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), None, Some(table));
-                let distances = leaps.then(|| Self::distances_of(volume, &visibility, EDGE)).flatten();
-                let is_parabola = caster.rule == Rule::Quadratic;
-                let steps = PacketSteps::Segments { table: SegmentTable::new(table), distances, is_parabola };
-                (Arc::new(baked(scene, volume, step)?), steps)
-            }
+        // Choose what a step's light is looked up in, and the lengths of the steps.
+        let profile = tables.classifier.profile.as_ref();
+        let course = profile.filter(|profile| profile.shape != Shape::Point);
+        let integrated = match course {
+            Some(course) => Some(course.table.as_ref()?),
+            None => None,
+        };
+        let is_uniform = matches!(caster.step, Step::Uniform(_));
+        let table = match &tables.classifier.table {
+            Some((table, _)) if is_uniform => Arc::clone(table),
+            _ => Arc::new(baked(scene, volume, step)?),
+        };
+        let lengths = match (caster.step, &tables.step_map) {
             (Step::Uniform(_), _) => {
-                let table = Arc::clone(&tables.classifier.table.as_ref()?.0);
-                let distances = leaps.then(|| Self::distances(volume, scene, &table, EDGE)).flatten();
-                (Arc::clone(&table), PacketSteps::Lattice { table, distances })
+                let baked = integrated.is_none().then_some(&table);
+                let visibility = || Visibility::of_light(&scene.transfer, volume.calibration(), baked, integrated);
+                PacketLengths::Lattice(leaps.then(|| Self::distances(volume, &visibility(), EDGE)).flatten())
             }
-            // Steps that end at the faces of voxels are the plain engine's.
-            (Step::Local { .. }, Some(map)) if caster.rule == Rule::Midpoint && volume.filter().is_continuous() => {
-                let table = Arc::new(baked(scene, volume, step)?);
-                (table, PacketSteps::Local { map: Arc::clone(map), by_byte: Box::new(by_byte(map, step)) })
+            // Local steps by the rule left are the plain engine's.
+            (Step::Local { .. }, Some(map)) if caster.rule != Rule::Left => {
+                PacketLengths::Local { map: Arc::clone(map), by_byte: Box::new(by_byte(map, step)) }
             }
             _ => return None,
         };
-        let hull = leaps.then(|| Hull::new(volume.dims(), steps.visible(volume.dims())));
+        let light = match integrated {
+            Some(table) => {
+                StepLight::Course { table: SegmentTable::new(table), is_parabola: caster.rule == Rule::Quadratic }
+            }
+            None => StepLight::Sample(Arc::clone(&table)),
+        };
+        let hull = leaps.then(|| Hull::new(volume.dims(), lengths.visible(volume.dims())));
         Some(Self {
             volume: Arc::clone(volume),
             level,
-            steps,
+            lengths,
+            light,
             hull,
             optics: OpticsTable::new(&table, &scene.transfer, volume.calibration(), step),
             step,
@@ -190,17 +194,7 @@ impl PacketEngine {
     }
 
     /// Returns the distances to the nearest visible blocks of `edge`³ cells; `None` where all are visible.
-    pub(crate) fn distances(
-        volume: &GridVolume,
-        scene: &Scene,
-        table: &Arc<BakedTransfer<f32>>,
-        edge: usize,
-    ) -> Option<Distances> {
-        let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), Some(table), None);
-        Self::distances_of(volume, &visibility, edge)
-    }
-
-    fn distances_of(volume: &GridVolume, visibility: &Visibility<f32>, edge: usize) -> Option<Distances> {
+    pub(crate) fn distances(volume: &GridVolume, visibility: &Visibility<f32>, edge: usize) -> Option<Distances> {
         // A level is a voxel's number, and other filters than these make numbers between and beyond the voxels'.
         let is_of_voxels = matches!(volume.filter(), Filter::Nearest | Filter::Trilinear);
         if edge == LevelRanges::EDGE && is_of_voxels && LevelRanges::are_exact(volume) {
@@ -345,17 +339,29 @@ impl PacketFrame<'_> {
             field,
             vacuum: self.volume.vacuum_cells(),
             dims: self.volume.dims(),
-            steps: match &engine.steps {
-                PacketSteps::Lattice { table, distances } => {
+            steps: match (&engine.lengths, &engine.light) {
+                (PacketLengths::Lattice(distances), StepLight::Sample(table)) => {
                     MarchSteps::Lattice(LatticeSteps { rows: Rows::new(table), distances: distances.as_ref() })
                 }
-                PacketSteps::Segments { table, distances, is_parabola } => MarchSteps::Segments(SegmentSteps {
-                    table,
-                    distances: distances.as_ref(),
-                    is_parabola: *is_parabola,
-                    step: engine.step as f32,
-                }),
-                PacketSteps::Local { map, by_byte } => MarchSteps::Local(LocalSteps::new(map, by_byte)),
+                (PacketLengths::Local { map, by_byte }, StepLight::Sample(_)) => {
+                    MarchSteps::Local(LocalSteps::new(map, by_byte, engine.step))
+                }
+                (lengths, StepLight::Course { table, is_parabola }) => {
+                    let (is_parabola, unit) = (*is_parabola, engine.step as f32);
+                    let (lengths, has_holes) = match lengths {
+                        PacketLengths::Lattice(distances) => {
+                            (SegmentLengths::Lattice(distances.as_ref()), self.volume.vacuum_cells().is_some())
+                        }
+                        // No sample is missing where steps end at the faces of holes.
+                        PacketLengths::Local { map, by_byte } => {
+                            (SegmentLengths::Local(LocalSteps::new(map, by_byte, engine.step)), false)
+                        }
+                    };
+                    MarchSteps::Segments(SegmentSteps {
+                        course: Course { table, is_parabola, has_holes, unit },
+                        lengths,
+                    })
+                }
             },
             optics: &engine.optics,
             shading: engine.shading.as_ref(),
@@ -373,10 +379,10 @@ impl PacketFrame<'_> {
             clip: &self.view.clip,
             layer: self.layer,
             step: self.engine.step,
-            offset: match &self.engine.steps {
-                PacketSteps::Lattice { .. } | PacketSteps::Segments { .. } => self.engine.offset,
+            offset: match &self.engine.lengths {
+                PacketLengths::Lattice(_) => self.engine.offset,
                 // Positions are those of any distance, not of samples.
-                PacketSteps::Local { .. } => 0.0,
+                PacketLengths::Local { .. } => 0.0,
             },
             forward: self.forward,
         }

@@ -91,7 +91,8 @@ pub(crate) struct Leaper<S: Simd> {
     per_index: [f32x16<S>; 3],
     /// Direction along each axis: +1 where a ray goes up, −1 where it goes down.
     sign: [f32x16<S>; 3],
-    /// Offset, in blocks, from the number of a block to the face by which the ray leaves it.
+    /// Offset, in blocks, from the number of a block to the face behind the one by which the ray leaves it, against its direction; a block further off where
+    /// the ray is parallel, which may lie in a face for all of its length.
     face: [f32x16<S>; 3],
     /// Margin kept from the face, since positions are rounded.
     margin: f32,
@@ -112,7 +113,7 @@ impl<S: Simd> Leaper<S> {
             let up = delta[a].simd_gt(zero);
             let parallel = delta[a].abs().simd_lt(splat(simd, 1e-30));
             sign[a] = pick(up, one, -one);
-            face[a] = pick(up, zero, one);
+            face[a] = pick(up | parallel, zero, one);
             per_index[a] = pick(parallel, sign[a] * 1e30, one / pick(parallel, one, delta[a]));
         }
         let largest = dims.into_iter().max().unwrap_or(0) as f32;
@@ -150,6 +151,19 @@ impl<S: Simd> Leaper<S> {
         let mut steps = self.ahead(0, position, cells);
         for a in 1..3 {
             steps = steps.min(self.ahead(a, position, cells));
+        }
+        steps
+    }
+
+    /// Returns the steps from a position to the next face of the voxel that it is nearest to.
+    #[inline(always)]
+    pub(crate) fn to_voxel_face(&self, simd: S, position: [f32x16<S>; 3], cells: &Cells<S>) -> f32x16<S> {
+        let (zero, one, half) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, 0.5));
+        let mut steps = splat(simd, 1e6);
+        for a in 0..3 {
+            let cell: f32x16<S> = cells.cell[a].to_float();
+            let voxel = cell + pick(cells.fraction[a].simd_ge(half), one, zero);
+            steps = steps.min((voxel - 0.5 + self.face[a] + self.sign[a] - position[a]) * self.per_index[a]);
         }
         steps
     }

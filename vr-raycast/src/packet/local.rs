@@ -1,7 +1,7 @@
 //! March of packets in steps of the length that each place asks for.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16};
+use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_kernels::vector::{Cells, LANES, Lanes, PacketLights, Sums, pick, splat, step_light};
 
 use super::fields::PacketField;
@@ -9,7 +9,7 @@ use super::gaps::outside_holes;
 use super::leap::{Leaper, block_index};
 use super::march::{Medium, PacketResult, Path, finish, shaded};
 use super::setup::Packet;
-use crate::step_map::{CLEAR, StepMap};
+use crate::step_map::{CLEAR, Cuts, StepMap};
 
 /// Step map in the form that packets read. Distances are in smallest voxel edges, which are the packet's steps.
 #[derive(Clone, Copy)]
@@ -18,8 +18,22 @@ pub(crate) struct LocalSteps<'a> {
     blocks: [usize; 3],
     /// Step to take, by the byte of the map; for clear blocks −1 − n, where n is the number of clear blocks around in each direction.
     by_byte: &'a [f32; 256],
-    /// Blocks in which steps end at the faces of cells, for holes; `None` where there are no holes.
-    cuts: Option<&'a [bool]>,
+    /// Faces at which steps end.
+    faces: Faces<'a>,
+}
+
+/// Faces at which the field jumps, and steps end.
+#[derive(Clone, Copy)]
+enum Faces<'a> {
+    None,
+    /// Faces of cells in these blocks, which have missing voxels in them or next to them.
+    Holes(&'a [bool]),
+    /// Faces of voxels; those of cells, too, if `cells`.
+    Voxels {
+        cells: bool,
+        /// Longest step between faces.
+        length: f32,
+    },
 }
 
 /// Returns the table in which [`LocalSteps`] looks bytes up.
@@ -34,11 +48,19 @@ pub(crate) fn by_byte(map: &StepMap, voxel: f64) -> [f32; 256] {
 const NUDGE: f32 = 1.0 / 1024.0;
 
 /// Largest rest of a ray that is not worth a step: below the rounding of a position.
-const REST: f32 = 1e-5;
+pub(crate) const REST: f32 = 1e-5;
 
 impl<'a> LocalSteps<'a> {
-    pub(crate) fn new(map: &'a StepMap, by_byte: &'a [f32; 256]) -> Self {
-        Self { bytes: map.bytes(), blocks: map.blocks(), by_byte, cuts: map.cut_blocks() }
+    /// `voxel` is the world length of the smallest voxel edge.
+    pub(crate) fn new(map: &'a StepMap, by_byte: &'a [f32; 256], voxel: f64) -> Self {
+        let faces = match map.cuts() {
+            Cuts::None => Faces::None,
+            Cuts::Holes(blocks) => Faces::Holes(blocks),
+            Cuts::Voxels { cells, length } => {
+                Faces::Voxels { cells: *cells, length: (f64::from(*length) / voxel) as f32 }
+            }
+        };
+        Self { bytes: map.bytes(), blocks: map.blocks(), by_byte, faces }
     }
 
     /// Returns the entries of `by_byte` for the blocks of sixteen cells.
@@ -52,25 +74,92 @@ impl<'a> LocalSteps<'a> {
         lanes.load(simd)
     }
 
-    /// Returns steps from positions that end at the next face of a cell where blocks ask for that.
+    /// Moves rays in clear blocks on, until at least half of those that go on are in visible ones. Returns these, and the lengths that the blocks of their
+    /// positions ask for.
+    #[inline(always)]
+    pub(crate) fn leap<S: Simd, T: PacketField>(
+        &self,
+        simd: S,
+        medium: &Medium<'_, T>,
+        ray: &Path<S>,
+        leaper: &Leaper<S>,
+        at: &mut f32x16<S>,
+        stop: f32x16<S>,
+    ) -> (mask32x16<S>, f32x16<S>) {
+        let mut live = at.simd_lt(stop - REST);
+        let mut length;
+        loop {
+            let (position, cells) = ray.cells(simd, medium, *at + NUDGE);
+            length = self.at(simd, &cells);
+            let clear = live & length.simd_lt(splat(simd, 0.0));
+            if clear.all_false() {
+                break;
+            }
+            let visible = live & !clear;
+            let exit: f32x16<S> = *at + NUDGE + leaper.exit(simd, position, &cells, -length);
+            *at = pick(clear, exit, *at);
+            live = visible;
+            let walking = at.simd_lt(stop - REST);
+            let (known, all) = (visible.to_bitmask().count_ones(), walking.to_bitmask().count_ones());
+            if known * 2 >= all {
+                break;
+            }
+            live = walking;
+        }
+        if !matches!(self.faces, Faces::None) {
+            let (position, here) = ray.cells(simd, medium, *at + NUDGE);
+            length = self.cut(simd, leaper, position, &here, length);
+        }
+        (live, length)
+    }
+
+    /// Returns the lengths that the blocks of positions ask for; below 0 in clear ones.
+    #[inline(always)]
+    pub(crate) fn length<S: Simd, T: PacketField>(
+        &self,
+        simd: S,
+        medium: &Medium<'_, T>,
+        ray: &Path<S>,
+        leaper: &Leaper<S>,
+        at: f32x16<S>,
+    ) -> f32x16<S> {
+        let (position, cells) = ray.cells(simd, medium, at + NUDGE);
+        let length = self.at(simd, &cells);
+        self.cut(simd, leaper, position, &cells, length)
+    }
+
+    /// Returns steps from positions that end at the next face, where blocks ask for that. Those of clear blocks stay below 0.
     #[inline(always)]
     fn cut<S: Simd>(
         &self,
         simd: S,
-        cuts: &[bool],
         leaper: &Leaper<S>,
         position: [f32x16<S>; 3],
         cells: &Cells<S>,
         length: f32x16<S>,
     ) -> f32x16<S> {
-        let index = block_index(cells, StepMap::EDGE.trailing_zeros(), self.blocks);
-        let mut longest = Lanes::new(leaper.to_face(position, cells).max(splat(simd, 0.0)) + NUDGE);
-        for i in 0..LANES {
-            if !cuts[index[i] as u32 as usize] {
-                longest.0[i] = f32::INFINITY;
+        let zero = splat(simd, 0.0);
+        match self.faces {
+            Faces::None => length,
+            Faces::Holes(blocks) => {
+                let index = block_index(cells, StepMap::EDGE.trailing_zeros(), self.blocks);
+                let mut longest = Lanes::new(leaper.to_face(position, cells).max(zero) + NUDGE);
+                for i in 0..LANES {
+                    if !blocks[index[i] as u32 as usize] {
+                        longest.0[i] = f32::INFINITY;
+                    }
+                }
+                length.min(longest.load(simd))
+            }
+            // Whatever the block asks for: the field is constant between these faces.
+            Faces::Voxels { cells: of_cells, length: longest } => {
+                let mut face = leaper.to_voxel_face(simd, position, cells);
+                if of_cells {
+                    face = face.min(leaper.to_face(position, cells));
+                }
+                pick(length.simd_lt(zero), length, (face.max(zero) + NUDGE).min(splat(simd, longest)))
             }
         }
-        length.min(longest.load(simd))
     }
 }
 
@@ -97,48 +186,20 @@ pub(crate) fn local<S: Simd, T: PacketField>(
     let mut sums = Sums::new(simd);
     let mut samples = 0;
     loop {
-        // Move rays in clear blocks on, until at least half of those that go on are in visible ones.
-        let mut live = at.simd_lt(stop - REST);
-        let mut length;
-        loop {
-            let (position, cells) = ray.cells(simd, medium, at + NUDGE);
-            length = lengths.at(simd, &cells);
-            let clear = live & length.simd_lt(zero);
-            if clear.all_false() {
-                break;
-            }
-            let visible = live & !clear;
-            let exit: f32x16<S> = at + NUDGE + leaper.exit(simd, position, &cells, -length);
-            at = pick(clear, exit, at);
-            live = visible;
-            let walking = at.simd_lt(stop - REST);
-            let (known, all) = (visible.to_bitmask().count_ones(), walking.to_bitmask().count_ones());
-            if known * 2 >= all {
-                break;
-            }
-            live = walking;
-        }
+        let (mut live, mut length) = lengths.leap(simd, medium, &ray, &leaper, &mut at, stop);
         let bits = live.to_bitmask();
         if bits == 0 {
             break;
         }
         samples += bits.count_ones();
         let [now, next] = stages;
-        if let Some(cuts) = lengths.cuts {
-            let (position, here) = ray.cells(simd, medium, at + NUDGE);
-            length = lengths.cut(simd, cuts, &leaper, position, &here, length);
-        }
         // What is not live may have any length.
         length = length.max(zero).min(stop - at).max(zero);
         let (_, cells) = ray.cells(simd, medium, at + length * 0.5);
         medium.field.fetch(simd, &cells, now);
         // The next step of those that go on in a visible block: while the first waits for its samples, those of the second are fetched.
         let then = pick(live, at + length, at);
-        let (position, ahead) = ray.cells(simd, medium, then + NUDGE);
-        let mut length_then = lengths.at(simd, &ahead);
-        if let Some(cuts) = lengths.cuts {
-            length_then = lengths.cut(simd, cuts, &leaper, position, &ahead, length_then);
-        }
+        let length_then = lengths.length(simd, medium, &ray, &leaper, then);
         let visible = live & length_then.simd_ge(zero);
         let length_then = length_then.max(zero).min(stop - then).max(zero);
         let (_, cells_then) = ray.cells(simd, medium, then + length_then * 0.5);

@@ -247,15 +247,8 @@ pub(crate) fn shaded<S: Simd, T: PacketField>(
     if (live & shows).all_false() {
         return light;
     }
-    let [x, y, z] = at.cell;
-    let cell = [Lanes::new(x.to_float()), Lanes::new(y.to_float()), Lanes::new(z.to_float())];
-    let [x, y, z] = at.fraction;
-    let fraction = [Lanes::new(x), Lanes::new(y), Lanes::new(z)];
-    let mut step = [Lanes::ZERO; 3];
-    if medium.follows_normals {
-        step =
-            [Lanes::new(ray.delta[0] * length), Lanes::new(ray.delta[1] * length), Lanes::new(ray.delta[2] * length)];
-    }
+    let place = in_lanes(at);
+    let step = ray.extent(medium, length);
     let mut lanes = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(alpha)];
     let mut shade = None;
     let mut modulates = false;
@@ -269,11 +262,20 @@ pub(crate) fn shaded<S: Simd, T: PacketField>(
         let [r, g, b, kappa] = medium.optics.rows().at(simd, value);
         let row = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(kappa)];
         let optics = StepOptics { row, length: Lanes::new(length), emits: medium.optics.emits };
-        medium.field.look(simd, shade, &[cell, fraction], &step, Some(&optics), &mut lanes, stage);
+        medium.field.look(simd, shade, &place, &step, Some(&optics), &mut lanes, stage);
     } else {
-        medium.field.look(simd, shade, &[cell, fraction], &step, None, &mut lanes, stage);
+        medium.field.look(simd, shade, &place, &step, None, &mut lanes, stage);
     }
     [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)]
+}
+
+/// Returns cells, as numbers, and fractions in them.
+#[inline(always)]
+pub(crate) fn in_lanes<S: Simd>(at: &Cells<S>) -> [[Lanes; 3]; 2] {
+    let [x, y, z] = at.cell;
+    let cell = [Lanes::new(x.to_float()), Lanes::new(y.to_float()), Lanes::new(z.to_float())];
+    let [x, y, z] = at.fraction;
+    [cell, [Lanes::new(x), Lanes::new(y), Lanes::new(z)]]
 }
 
 /// Positions along the rays of a packet.
@@ -293,6 +295,15 @@ impl<S: Simd> Path<S> {
             max_index: medium.dims.map(|n| (n - 1) as f32),
             last_cell: medium.dims.map(|n| n as i32 - 2),
         }
+    }
+
+    /// Returns the extents, in index space, over which normals are followed in steps of a length; zero where they are not.
+    #[inline(always)]
+    pub(crate) fn extent<T>(&self, medium: &Medium<'_, T>, length: f32x16<S>) -> [Lanes; 3] {
+        if !medium.follows_normals {
+            return [Lanes::ZERO; 3];
+        }
+        [Lanes::new(self.delta[0] * length), Lanes::new(self.delta[1] * length), Lanes::new(self.delta[2] * length)]
     }
 
     /// Returns the positions that are so many steps from the middle ones, and their cells.

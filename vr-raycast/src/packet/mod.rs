@@ -1,8 +1,8 @@
 //! The vector engine: packets of sixteen rays, one a lane, on whatever vectors the machine has.
 //!
 //! A packet is set up in f64 ([`setup`]) and marched in f32, each ray at its own pace: in steps of one length, over what is clear by whole
-//! steps of its lattice ([`march`]; [`segments`] where a rule integrates over all values of a step), or in steps of the length that each place asks for ([`local`]). A ray does not see its company: no bit
-//! of it depends on which others are in the packet. Nor does any on the instructions ([`level`]): nothing is fused, and logarithm and
+//! steps of its lattice ([`march`]), or in steps of the length that each place asks for ([`local`]); in [`segments`] of either kind where a rule integrates over
+//! all values of a step. A ray does not see its company: no bit of it depends on which others are in the packet. Nor does any on the instructions ([`level`]): nothing is fused, and logarithm and
 //! exponential are our own ([`vr_kernels::vector`]).
 //!
 //! # What it took
@@ -31,6 +31,7 @@
 
 #[cfg(test)]
 mod compared;
+mod course;
 mod engine;
 mod fields;
 mod gaps;

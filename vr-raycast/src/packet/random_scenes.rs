@@ -8,6 +8,8 @@ use vr_core::{
 };
 use vr_physics::check::FixedLayer;
 
+use crate::caster::Step;
+
 /// Makes a grid of one of the five types from numbers in [0, 1].
 pub(super) fn grid(kind: usize, dims: [usize; 3], samples: &[f64], placement: Placement) -> Volume {
     fn of<T: vr_core::Voxel>(
@@ -134,4 +136,17 @@ pub(super) fn scenes(max_opacity: f64) -> impl Strategy<Value = (Scene, View)> {
             scene_of(Scene::new(volume, transfer), angles, [w, h], cut, share)
         },
     )
+}
+
+/// Steps of one length, and local ones.
+pub(super) fn steps() -> impl Strategy<Value = Step> {
+    prop_oneof![(0.1f64..2.5).prop_map(Step::Uniform), (1e-4f64..1e-2).prop_map(|error| Step::Local { error })]
+}
+
+/// Factors on opacity by the gradient's magnitude; none in some scenes.
+pub(super) fn factors() -> impl Strategy<Value = Vec<(f64, f64)>> {
+    prop::collection::vec((0.0f64..2.0, prop_oneof![4 => 0.0f64..3.0, 1 => Just(0.0)]), 0..4).prop_map(|mut factors| {
+        factors.sort_by(|a, b| a.0.total_cmp(&b.0));
+        factors
+    })
 }

@@ -26,7 +26,7 @@ pub(crate) enum Shape {
 /// length of the step, or to rounding.
 ///
 /// Vacuum: between a sample and one that does not exist, the field reaches half way, at the value of the one that exists. So it ends
-/// at the right place on average. A cubic exists with all its samples or not at all: they are in one cell.
+/// at the right place on average; steps that end at the faces of cells end it there. A cubic exists with all its samples or not at all: they are in one cell.
 #[derive(Clone, Debug)]
 pub(crate) struct Profile<R> {
     pub(crate) shape: Shape,

@@ -51,11 +51,26 @@ impl Shape {
     }
 }
 
+/// Returns a position, moved by a few roundings into the cell of another if it lies in that cell or on a face of it; as it is if it lies elsewhere.
+fn inside_cell<R: Real>(position: [R; 3], other: [R; 3], dims: [usize; 3]) -> [R; 3] {
+    let (mut moved, mut is_in_cell) = (position, true);
+    for a in 0..3 {
+        // Positions are rounded to the precision of the largest index, and distances to that of an eye far off.
+        let rounding = R::from_f64((8.0 * R::ROUNDOFF).max(1e-10) * dims[a] as f64);
+        let lower = R::from_index(other[a].to_index().min(dims[a] - 2));
+        let upper = lower + R::ONE;
+        is_in_cell &= position[a] >= lower - rounding && position[a] <= upper + rounding;
+        moved[a] = position[a].max(lower + rounding).min(upper - rounding);
+    }
+    if is_in_cell { moved } else { position }
+}
+
 impl<R: Real> Profile<R> {
     /// Samples a placed run at the points that the shape needs; returns the number of samples.
     ///
     /// A step that begins where the one before ends shares the sample there: where both are the same point in the kernel's precision,
-    /// so that nothing depends on what was sampled before.
+    /// so that nothing depends on what was sampled before. Beside missing voxels, a step that ends at the face of its cell ends [inside the
+    /// cell](inside_cell): the face itself belongs to a hole behind it, too.
     pub(crate) fn sample(&self, chord: &Chord<'_>, run: &mut Run<R>) -> u64 {
         if self.shape == Shape::Point {
             chord.sample(run);
@@ -69,9 +84,13 @@ impl<R: Real> Profile<R> {
         let first = run.points.push(before.0);
         debug_assert_eq!(first, 0);
         let mut last = 0;
+        let holed = chord.source.grid().filter(|grid| grid.vacuum_cells().is_some()).map(|grid| grid.dims());
         for j in 0..run.len() {
+            let at = |fraction: f64| chord.position::<R>(run.steps.begin[j] + fraction * run.steps.length[j]);
+            let middle = holed.map(|dims| (at(0.5), dims));
             for (slot, &fraction) in fractions.iter().enumerate() {
-                let position = chord.position(run.steps.begin[j] + fraction * run.steps.length[j]);
+                let position =
+                    middle.map_or_else(|| at(fraction), |(middle, dims)| inside_cell(at(fraction), middle, dims));
                 let shared = slot == 0 && run.points.position_of(last) == position;
                 last = if shared { last } else { run.points.push(position) };
                 number[slot][j] = last;

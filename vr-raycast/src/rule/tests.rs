@@ -6,7 +6,7 @@ use vr_core::*;
 use vr_physics::Reference;
 use vr_physics::fit_order;
 
-use crate::caster::{CompositingOrder, RayCaster, Rule, TransferLookup, Traversal};
+use crate::caster::{CompositingOrder, RayCaster, Rule, Step, TransferLookup, Traversal};
 use crate::chord::Chord;
 use crate::operator::operator;
 use crate::render_tables::TablesByPrecision;
@@ -128,7 +128,7 @@ fn largest(a: &[[f64; 4]], b: &[[f64; 4]]) -> f64 {
 
 #[test]
 fn the_exact_rule_is_the_reference() {
-    let rule = RayCaster { rule: Rule::Exact, traversal: Traversal::Cells, ..RayCaster::exact(1.0) };
+    let rule = RayCaster { rule: Rule::Exact, traversal: Traversal::Cells, step: Step::Auto, ..RayCaster::exact(1.0) };
     for (name, transfer) in [
         ("smooth", smooth()),
         ("kinked", kinked()),
@@ -152,7 +152,7 @@ fn a_field_with_holes_is_known_cell_by_cell() {
         if (x, y, z) == (4.0, 3.0, 5.0) || x + y + z == 3.0 { f64::NAN } else { 0.1 * x + 0.02 * y * z - 0.3 }
     };
     let scene = Scene::new(volume([9; 3], Placement::from_spacing([1.0; 3]).unwrap(), hole), kinked());
-    let rule = RayCaster { rule: Rule::Exact, traversal: Traversal::Cells, ..RayCaster::exact(1.0) };
+    let rule = RayCaster { rule: Rule::Exact, traversal: Traversal::Cells, step: Step::Auto, ..RayCaster::exact(1.0) };
     let view = view(&scene);
     let error = largest(&draw(&rule, &scene, &view), &truth(&scene, &view, 1e-11));
     assert!(error <= 1e-9, "{error:.1e}");

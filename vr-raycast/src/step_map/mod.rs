@@ -38,7 +38,7 @@ pub(crate) struct StepMap {
 
 /// Faces at which the field jumps, and steps end.
 #[derive(Clone, Debug, PartialEq)]
-enum Cuts {
+pub(crate) enum Cuts {
     /// No faces: the field does not jump.
     None,
     /// Faces in these blocks, which have missing voxels in them or next to them.
@@ -142,9 +142,9 @@ impl StepMap {
         VisibleBlocks::of_halves(dims, Self::EDGE, &self.bytes, CLEAR)
     }
 
-    /// Returns the blocks in which steps end at the faces of cells, for holes; `None` where there are no holes.
-    pub(crate) fn cut_blocks(&self) -> Option<&[bool]> {
-        if let Cuts::Holes(cut) = &self.cuts { Some(cut) } else { None }
+    /// Returns the faces at which steps end.
+    pub(crate) fn cuts(&self) -> &Cuts {
+        &self.cuts
     }
 
     /// Returns the movement of a ray in a block.

@@ -107,7 +107,7 @@ pub(crate) fn integrate<S: Simd>(
             *value = if value.is_nan() { 0.0 } else { *value };
         }
         let mut light = [[Lanes::ZERO; 4]; 2];
-        table.lines(simd, &ends, &length[j], u32::MAX, &mut light);
+        table.lines(simd, &ends, [&length[j]; 2], u32::MAX, &mut light);
         for (part, light) in light.iter_mut().enumerate() {
             for i in (0..LANES).filter(|&i| !(defined[part][i] && defined[part + 1][i])) {
                 light[3].0[i] = f32::NAN;

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use vr_core::{Camera, Control, ControlPoint, Light, OpacityRule, Placement, Shading, TransferFunction};
 
 use super::super::compared::{bits, plain, row_by_row, same};
-use super::super::random_scenes::{grid, scenes, sums};
+use super::super::random_scenes::{factors, grid, scenes, steps, sums};
 use super::*;
 use crate::render_tables::TablesByPrecision;
 
@@ -32,17 +32,13 @@ fn engine(caster: &RayCaster, scene: &Scene) -> Option<PacketEngine> {
 
 fn set_edge(engine: &mut PacketEngine, scene: &Scene, edge: Option<usize>) {
     let volume = scene.volume.grid().unwrap();
-    match &mut engine.steps {
-        PacketSteps::Lattice { table, distances } => {
-            *distances = edge.and_then(|edge| PacketEngine::distances(volume, scene, table, edge));
-        }
-        PacketSteps::Segments { table, distances, .. } => {
-            let visibility =
-                Visibility::of_light(&scene.transfer, volume.calibration(), None, Some(table.pre_integrated()));
-            *distances = edge.and_then(|edge| PacketEngine::distances_of(volume, &visibility, edge));
-        }
-        PacketSteps::Local { .. } => panic!("uniform steps leap over blocks"),
-    }
+    let PacketLengths::Lattice(distances) = &mut engine.lengths else { panic!("uniform steps leap over blocks") };
+    let (baked, integrated) = match &engine.light {
+        StepLight::Sample(table) => (Some(table), None),
+        StepLight::Course { table, .. } => (None, Some(table.pre_integrated())),
+    };
+    let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), baked, integrated);
+    *distances = edge.and_then(|edge| PacketEngine::distances(volume, &visibility, edge));
 }
 
 fn trace(
@@ -109,10 +105,8 @@ proptest! {
     }
 
     #[test]
-    fn shades_as_the_plain_engine_shades((scene, view) in scenes(0.9), step in 0.1f64..2.5, power in 0.0f64..40.0, side in any::<bool>(), factors in prop::collection::vec((0.0f64..2.0, 0.0f64..3.0), 0..4), compositing in sums()) {
+    fn shades_as_the_plain_engine_shades((scene, view) in scenes(0.9), step in 0.1f64..2.5, power in 0.0f64..40.0, side in any::<bool>(), gradient_opacity in factors(), compositing in sums()) {
         let scene = Scene { compositing, ..scene };
-        let mut gradient_opacity: Vec<(f64, f64)> = factors;
-        gradient_opacity.sort_by(|a, b| a.0.total_cmp(&b.0));
         let direction = side.then(|| DVec3::new(0.3, -0.8, 0.5));
         let lights = vec![Light::default(), Light { direction, color: [0.5, 1.0, 0.2] }];
         let scene = Scene { shading: Some(Arc::new(Shading { power, gradient_opacity, ..Shading::default() })), lights, ..scene };
@@ -123,19 +117,37 @@ proptest! {
         same(&values, &plain, TWO_SHADINGS)?;
     }
 
-    /// By rules that integrate over all values of a step.
+    /// By rules that integrate over all values of a step, in steps of either kind.
     #[test]
-    fn integrates_what_the_plain_engine_integrates((scene, view) in scenes(0.9), step in 0.1f64..2.5, quadratic in any::<bool>(), is_shaded in any::<bool>(), compositing in sums()) {
-        let shading = is_shaded.then(|| Arc::new(Shading::default()));
+    fn integrates_what_the_plain_engine_integrates((scene, view) in scenes(0.9), step in steps(), quadratic in any::<bool>(), is_shaded in any::<bool>(), power in 0.0f64..40.0, gradient_opacity in factors(), compositing in sums()) {
+        let modulates = !gradient_opacity.is_empty();
+        let shading = (is_shaded || modulates).then(|| Arc::new(Shading { power, gradient_opacity, diffuse: if is_shaded { 0.7 } else { 0.0 }, ..Shading::default() }));
         let scene = Scene { compositing, shading, ..scene };
         // A parabola may leave the values of its samples, and of the blocks that it goes through: which blocks are leaped over would show.
         let (rule, empty_space) = if quadratic { (Rule::Quadratic, EmptySpace::None) } else { (Rule::Linear, EmptySpace::default()) };
-        let caster = RayCaster { rule, empty_space, order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(step) };
-        let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
+        let empty_space = if let Step::Local { .. } = step { EmptySpace::default() } else { empty_space };
+        let caster = RayCaster { rule, empty_space, step, order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) };
+        let engine = engine(&caster, &scene);
+        // A transfer function that no table resolves, or an empty field.
+        let Some(engine) = engine else { return Ok(()) };
         let plain = plain(&caster, &scene, &view);
         let (values, counts) = trace(&engine, &scene, &view, &row_by_row(&view), None);
         prop_assert!(counts.rays <= plain.stats.counts.rays);
-        same(&values, &plain, if is_shaded { TWO_SHADINGS } else { TWO_ENGINES })?;
+        let tolerance = match step {
+            Step::Local { .. } => TWO_WALKS,
+            _ if is_shaded || modulates => TWO_SHADINGS,
+            _ => TWO_ENGINES,
+        };
+        same(&values, &plain, tolerance)?;
+        // No bit depends on the level or on company.
+        let want = bits(&values);
+        let mut other = engine.clone();
+        for level in levels() {
+            other.level = level;
+            prop_assert_eq!(&bits(&trace(&other, &scene, &view, &row_by_row(&view), None).0), &want, "{:?}", level);
+        }
+        let one = |s: &ImageSample| bits(&trace(&engine, &scene, &view, &[*s], None).0)[0];
+        prop_assert_eq!(&row_by_row(&view).iter().map(one).collect::<Vec<_>>(), &want);
     }
 
     #[test]

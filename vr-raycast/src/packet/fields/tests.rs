@@ -10,7 +10,7 @@ use vr_core::{
 use crate::caster::{CompositingOrder, EmptySpace, RayCaster, Rule, Step, Vector};
 use crate::engine::Engine;
 use crate::packet::compared::{plain, row_by_row, same};
-use crate::packet::random_scenes::{scenes, sums};
+use crate::packet::random_scenes::{factors, scenes, steps, sums};
 use crate::prepared::PreparedCaster;
 use crate::tracer::RaySample;
 
@@ -45,9 +45,8 @@ fn with_colors(scene: Scene, seed: u64) -> Scene {
     Scene { volume: Volume::Color(Arc::new(colors)), ..scene }
 }
 
-fn shaded(scene: Scene, gradient: GradientMethod, mut factors: Vec<(f64, f64)>) -> Scene {
-    factors.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let shading = Shading { gradient, gradient_opacity: factors, ..Shading::default() };
+fn shaded(scene: Scene, gradient: GradientMethod, gradient_opacity: Vec<(f64, f64)>) -> Scene {
+    let shading = Shading { gradient, gradient_opacity, ..Shading::default() };
     Scene { shading: Some(Arc::new(shading)), lights: vec![Light::default()], ..scene }
 }
 
@@ -93,7 +92,7 @@ proptest! {
     }
 
     #[test]
-    fn gradients_of_both_kinds_are_those_of_the_plain_engine((scene, view) in scenes(0.9), filter in filters(), step in 0.1f64..2.5, analytic in any::<bool>(), factors in prop::collection::vec((0.0f64..2.0, 0.0f64..3.0), 0..4), compositing in sums()) {
+    fn gradients_of_both_kinds_are_those_of_the_plain_engine((scene, view) in scenes(0.9), filter in filters(), step in 0.1f64..2.5, analytic in any::<bool>(), factors in factors(), compositing in sums()) {
         let gradient = if analytic { GradientMethod::Analytic } else { GradientMethod::CentralDifferences };
         let scene = shaded(Scene { compositing, ..scene }.with_filter(filter), gradient, factors);
         let caster = RayCaster { order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(step) };
@@ -101,7 +100,7 @@ proptest! {
     }
 
     #[test]
-    fn colours_are_those_of_the_plain_engine((scene, view) in scenes(0.9), filter in filters(), seed in any::<u64>(), step in 0.1f64..2.5, shade in 0u32..3, factors in prop::collection::vec((0.0f64..2.0, 0.0f64..3.0), 0..3), compositing in sums()) {
+    fn colours_are_those_of_the_plain_engine((scene, view) in scenes(0.9), filter in filters(), seed in any::<u64>(), step in 0.1f64..2.5, shade in 0u32..3, factors in factors(), compositing in sums()) {
         let mut scene = with_colors(Scene { compositing, ..scene }.with_filter(filter), seed);
         if shade > 0 {
             let gradient = [GradientMethod::Analytic, GradientMethod::CentralDifferences][shade as usize - 1];
@@ -112,10 +111,14 @@ proptest! {
     }
 
     #[test]
-    fn local_steps_are_those_of_the_plain_engine((scene, view) in scenes(0.9), filter in filters(), seed in prop::option::of(any::<u64>()), error in 1e-4f64..1e-2, compositing in sums()) {
+    fn local_steps_are_those_of_the_plain_engine((scene, view) in scenes(0.9), filter in filters(), seed in prop::option::of(any::<u64>()), shade in 0usize..3, factors in factors(), error in 1e-4f64..1e-2, compositing in sums()) {
         let mut scene = Scene { compositing, ..scene }.with_filter(filter);
         if let Some(seed) = seed {
             scene = with_colors(scene, seed);
+        }
+        if shade > 0 {
+            let gradient = [GradientMethod::Analytic, GradientMethod::CentralDifferences][shade - 1];
+            scene = shaded(scene, gradient, factors);
         }
         let caster = RayCaster { step: Step::Local { error }, order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) };
         check(&caster, &scene, &view, TWO_WALKS)?;
@@ -123,16 +126,19 @@ proptest! {
 
     /// By rules that integrate over all values of a step.
     #[test]
-    fn integrals_are_those_of_the_plain_engine((scene, view) in scenes(0.9), filter in filters(), step in 0.1f64..2.5, quadratic in any::<bool>(), is_shaded in any::<bool>()) {
+    fn integrals_are_those_of_the_plain_engine((scene, view) in scenes(0.9), filter in filters(), step in steps(), quadratic in any::<bool>(), is_shaded in any::<bool>(), factors in factors()) {
         prop_assume!(filter.is_continuous());
         let mut scene = scene.with_filter(filter);
         if is_shaded {
-            scene = shaded(scene, GradientMethod::Analytic, Vec::new());
+            scene = shaded(scene, GradientMethod::Analytic, factors);
         }
+        let is_local = matches!(step, Step::Local { .. });
         // A parabola may leave the values of the blocks that it goes through: which ones are leaped over would show.
-        let (rule, empty_space) = if quadratic { (Rule::Quadratic, EmptySpace::None) } else { (Rule::Linear, EmptySpace::default()) };
-        let caster = RayCaster { rule, empty_space, order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(step) };
-        check(&caster, &scene, &view, if is_shaded { TWO_SHADINGS } else { TWO_ENGINES })?;
+        let empty_space = if quadratic && !is_local { EmptySpace::None } else { EmptySpace::default() };
+        let rule = if quadratic { Rule::Quadratic } else { Rule::Linear };
+        let caster = RayCaster { rule, empty_space, step, order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) };
+        let tolerance = if is_local { TWO_WALKS } else if is_shaded { TWO_SHADINGS } else { TWO_ENGINES };
+        check(&caster, &scene, &view, tolerance)?;
     }
 
     /// Under operators that pick a value, with colours and without.
