@@ -61,13 +61,13 @@ pub(crate) fn open(path: &Path, page_bytes: usize) -> Result<TiffFile, FileError
 /// An error of the decoder, as one of ours.
 pub(crate) fn refuse(path: &Path, error: TiffError) -> FileError {
     match error {
-        TiffError::IoError(e) if e.kind() != std::io::ErrorKind::UnexpectedEof => FileError::new(path, e),
+        TiffError::IoError(e) if e.kind() != io::ErrorKind::UnexpectedEof => FileError::new(path, e),
         TiffError::UnsupportedError(e) => {
             let allowed =
                 "must be what is read here: uncompressed, PackBits, LZW, Deflate, JPEG or fax, of 8 to 64 bits";
             FieldError::new("TIFF", e, allowed).in_file(path)
         }
-        e => FileError::new(path, FileErrorKind::Damaged { encoding: "TIFF", source: std::io::Error::other(e) }),
+        e => FileError::new(path, FileErrorKind::Damaged { encoding: "TIFF", source: io::Error::other(e) }),
     }
 }
 
