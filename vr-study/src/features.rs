@@ -49,8 +49,9 @@ impl FeatureMatrix {
     pub fn of(renderers: &[Box<dyn StudiedRenderer>]) -> Self {
         let scenes = scenes();
         let (_, any, view) = scenes[0].clone();
-        let mut rows = answers(renderers, scenes, &draws);
-        let promises = |renderer: &dyn StudiedRenderer, _: &[Scene], _: &View| match renderer.with_max_error(1e-3) {
+        let draws: Question<'_> = &|renderer, scenes, view| drawn(renderer, scenes, view).map(|_| ());
+        let mut rows = answers(renderers, scenes, draws);
+        let promises = |renderer: &dyn StudiedRenderer, _: &Variants, _: &View| match renderer.with_max_error(1e-3) {
             Some(Ok(_)) => Ok(()),
             Some(Err(error)) => Err(error.to_string()),
             None => Err("no bound of its error is known".to_owned()),
@@ -95,7 +96,7 @@ impl FeatureMatrix {
 }
 
 /// Question to a renderer about scenes that have a feature: `Ok` if it has the feature, otherwise the reason.
-type Question<'q> = &'q dyn Fn(&dyn StudiedRenderer, &[Scene], &View) -> Result<(), String>;
+type Question<'q> = &'q dyn Fn(&dyn StudiedRenderer, &Variants, &View) -> Result<(), String>;
 
 /// Puts a question about each feature to each renderer.
 fn answers(
@@ -105,7 +106,7 @@ fn answers(
 ) -> Vec<(&'static str, Vec<Support>)> {
     let others: Vec<_> = renderers.iter().map(|renderer| documented(&**renderer)).collect();
     let each = |(name, scene, view)| {
-        let scenes = variants(name, scene);
+        let scenes = Variants::new(name, scene);
         let ask = |renderer: &dyn StudiedRenderer| question(renderer, &scenes, &view);
         let of_each = renderers.iter().zip(&others).map(|(renderer, others)| asked(&**renderer, others, &ask));
         (name, of_each.collect())
@@ -122,47 +123,59 @@ fn reason(answer: &Support) -> Option<String> {
     }
 }
 
-/// Returns the scenes that have a feature: on the grid, on a mesh of cells and with scattering, for renderers that draw no others.
-fn variants(feature: &str, scene: Scene) -> Vec<Scene> {
-    let (mesh, scattering) = (on_mesh(feature, &scene), with_scattering(&scene));
-    [Some(scene), mesh, Some(scattering)].into_iter().flatten().collect()
+/// A feature's scene, and variants of it for renderers that draw no such scene whatever the feature.
+struct Variants {
+    own: Scene,
+    /// On a mesh of cells; `None` for features of a volume.
+    mesh: Option<Scene>,
+    scattering: Scene,
 }
 
-/// Asks a renderer whether it draws any of these scenes.
-///
-/// # Errors
-/// The reason of its refusal; where it refuses several, the one that speaks of the feature itself, not of grids or scattering.
-fn draws(renderer: &dyn StudiedRenderer, scenes: &[Scene], view: &View) -> Result<(), String> {
-    let mut refusals = Vec::new();
-    for scene in scenes {
-        match renderer.supports(scene, Some(view)) {
-            Ok(()) => return Ok(()),
-            Err(refusal) => refusals.push(refusal),
+impl Variants {
+    fn new(feature: &str, own: Scene) -> Self {
+        Self { mesh: on_mesh(feature, &own), scattering: with_scattering(&own), own }
+    }
+
+    /// The variant that mends a refusal, where there is one: a mesh where grids are refused, scattering where its absence is.
+    fn after(&self, refusal: &RenderError) -> Option<&Scene> {
+        let RenderError::Unsupported(refusal) = refusal else { return None };
+        match refusal.feature {
+            Feature::VolumeKind => self.mesh.as_ref(),
+            Feature::Scattering => Some(&self.scattering),
+            _ => None,
         }
     }
-    let is_of_another = |refusal: &&RenderError| {
-        let kinds = [Feature::VolumeKind, Feature::Scattering];
-        matches!(refusal, RenderError::Unsupported(refusal) if kinds.contains(&refusal.feature))
-    };
-    let of_the_feature = refusals.iter().find(|refusal| !is_of_another(refusal));
-    Err(match of_the_feature.unwrap_or(&refusals[0]) {
-        RenderError::Unsupported(refusal) => refusal.what.clone(),
+}
+
+/// Returns the first of a feature's scenes that a renderer draws: the scene itself, or the variant that its refusal asks for.
+///
+/// # Errors
+/// The reason of the last refusal, which speaks of the feature itself, or of its volume.
+fn drawn<'s>(renderer: &dyn StudiedRenderer, scenes: &'s Variants, view: &View) -> Result<&'s Scene, String> {
+    let ask = |scene: &'s Scene| renderer.supports(scene, Some(view)).map(|()| scene);
+    let answer = ask(&scenes.own).or_else(|refusal| match scenes.after(&refusal) {
+        Some(variant) => ask(variant),
+        None => Err(refusal),
+    });
+    answer.map_err(|refusal| match refusal {
+        RenderError::Unsupported(refusal) => refusal.what,
         other => other.to_string(),
     })
 }
 
-/// Asks a renderer whether its frames of any of these scenes have depths.
+/// Asks a renderer whether its frames of a feature's scene have depths.
 ///
 /// # Errors
-/// The reason of its refusal of the scenes, or that it tells none.
-fn tells_depth(renderer: &dyn StudiedRenderer, scenes: &[Scene], view: &View) -> Result<(), String> {
-    draws(renderer, scenes, view)?;
+/// The reason of its refusal, or that it tells none.
+fn tells_depth(renderer: &dyn StudiedRenderer, scenes: &Variants, view: &View) -> Result<(), String> {
+    let scene = drawn(renderer, scenes, view)?;
     let control = Control::default();
-    let depth = scenes.iter().any(|scene| {
-        let drawn = renderer.prepare(scene, &control).and_then(|mut prepared| prepared.render(view, &control));
-        drawn.is_ok_and(|drawn| drawn.frame.depth().is_some())
-    });
-    if depth { Ok(()) } else { Err("drawn, and no depth is told".to_owned()) }
+    let drawn = renderer.prepare(scene, &control).and_then(|mut prepared| prepared.render(view, &control));
+    if drawn.is_ok_and(|drawn| drawn.frame.depth().is_some()) {
+        Ok(())
+    } else {
+        Err("drawn, and no depth is told".to_owned())
+    }
 }
 
 /// Returns the scene of a feature on a mesh of cells, for renderers that draw no grids; `None` for features of a grid.
@@ -297,8 +310,9 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
         of_scene("shading", shaded(Shading::default())),
         ("shading in perspective", shaded(Shading::default()), perspective.clone()),
         of_scene("shading, analytic gradients", shaded(analytic)),
-        of_scene("shading of scattered points", Scene { volume: points, ..shaded(Shading::default()) }),
-        of_scene("opacity by gradient", shaded(modulated)),
+        of_scene("shading of scattered points", Scene { volume: points.clone(), ..shaded(Shading::default()) }),
+        of_scene("opacity by gradient", shaded(modulated.clone())),
+        of_scene("opacity by gradient of scattered points", Scene { volume: points, ..shaded(modulated) }),
         of_scene("transfer function by gradient", Scene { transfer: Arc::new(by_rows), ..plain.clone() }),
         of_view("perspective", perspective),
         of_view("camera inside the volume", View { camera: centre, ..view.clone() }),
@@ -374,9 +388,14 @@ mod tests {
         let matrix = FeatureMatrix::of(&renderers);
         for (name, answers) in &matrix.rows {
             assert_eq!(answers[6] == Support::Drawn, *name != "scattering", "{matrix}");
-            // A refusal says why.
+            // A refusal says why; nothing but the feature's own volume is refused of a scene of points.
             for answer in answers {
                 assert!(!matches!(answer, Support::Refused(why) if why.is_empty()), "{name}");
+                let of_points = name.ends_with("of scattered points") && !std::ptr::eq(answer, &answers[7]);
+                assert!(
+                    !matches!(answer, Support::Refused(why) if of_points && !why.contains("scattered points")),
+                    "{answer:?}"
+                );
             }
         }
     }
