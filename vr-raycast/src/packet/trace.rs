@@ -26,7 +26,7 @@ impl TraceFrame<'_> {
     }
 }
 
-/// Arguments of [`Tracer::trace`], for a medium.
+/// Arguments of [`Tracer::trace`](crate::tracer::Tracer::trace), for a medium.
 pub(super) struct Trace<'a, T> {
     pub(super) frame: &'a TraceFrame<'a>,
     pub(super) medium: &'a Medium<'a, T>,
