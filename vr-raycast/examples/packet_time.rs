@@ -32,7 +32,7 @@ fn pierce(scene: &mut Scene) {
     let place = |i: usize| [i % nx, i / nx % ny, i / (nx * ny)].map(|x| x as f64);
     let value =
         |i: usize| if i.is_multiple_of(997) { f64::NAN } else { grid.calibration().value(grid.stored_at(place(i))) };
-    let samples = (0..nx * ny * nz).map(|i| value(i) as f32).collect();
+    let samples: Vec<f32> = (0..nx * ny * nz).map(|i| value(i) as f32).collect();
     let filter = grid.filter();
     let grid = UniformGrid::new([nx, ny, nz], samples, *grid.placement(), Calibration::default()).unwrap();
     scene.volume = Volume::from(grid).with_filter(filter);

@@ -8,7 +8,7 @@ use crate::capabilities::unsupported;
 use crate::caster::{RayCaster, Step, TransferLookup};
 use crate::error_bound::ErrorBound;
 use crate::pace::{Lengths, cells_of_parts};
-use crate::packet::{PacketEngine, PatchEngine, PickEngine};
+use crate::packet::{PacketEngine, PatchEngine, PickEngine, PointEngine};
 use crate::render_tables::TablesByPrecision;
 use crate::source::Source;
 use crate::step_map::RangeSteps;
@@ -23,6 +23,8 @@ pub(crate) enum Engine {
     Picks(Box<PickEngine>, TablesByPrecision),
     /// Vector engine for volumes that are regular lattices patch by patch.
     Patches(Box<PatchEngine>, TablesByPrecision, Lengths),
+    /// Vector engine for scattered points.
+    Points(Box<PointEngine>, TablesByPrecision, Lengths),
     /// Plain engine for a field that is no grid's, with the lengths of its steps.
     Field(TablesByPrecision, Lengths),
     /// Engine whose steps keep a bound of the error.
@@ -37,6 +39,7 @@ impl Engine {
             | Self::Packets(_, kernel)
             | Self::Picks(_, kernel)
             | Self::Patches(_, kernel, _)
+            | Self::Points(_, kernel, _)
             | Self::Field(kernel, _) => Some(kernel),
             Self::ErrorBound(_) => None,
         }
@@ -45,7 +48,7 @@ impl Engine {
     /// Lengths of steps in a field that is no grid's.
     pub(crate) fn lengths(&self) -> Option<&Lengths> {
         match self {
-            Self::Patches(_, _, lengths) | Self::Field(_, lengths) => Some(lengths),
+            Self::Patches(_, _, lengths) | Self::Points(_, _, lengths) | Self::Field(_, lengths) => Some(lengths),
             Self::Plain(_) | Self::Packets(..) | Self::Picks(..) | Self::ErrorBound(_) => None,
         }
     }
@@ -63,6 +66,9 @@ impl Engine {
         let Source::Grid(volume) = source else {
             let kernel = TablesByPrecision::of_field(scene, source.placement());
             let lengths = lengths(caster, scene, source.placement());
+            if let Some(points) = PointEngine::new(caster, scene, source) {
+                return Ok(Self::Points(Box::new(points), kernel, lengths));
+            }
             return Ok(match PatchEngine::new(caster, scene, source, lengths.clone()) {
                 Some(engine) => Self::Patches(Box::new(engine), kernel, lengths),
                 None if caster.transfer_lookup == TransferLookup::Table => {

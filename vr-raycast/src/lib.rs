@@ -17,7 +17,7 @@
 //!
 //! Two engines do this. The *plain* one takes every scene and setting but an error bound: samples go through the passes in runs of 32, each pass generic
 //! code, instantiated for what it depends on and chosen once a run. The *vector* one ([`Vector`]) takes rays in packets of sixteen with
-//! AVX-512, AVX2, SSE2 or NEON, and draws the common scenes: grids under every filter, with colours or without, adaptive meshes and rectilinear grids, over and accumulate, front to back, shaded or not. In grids, its rays begin where the
+//! AVX-512, AVX2, SSE2 or NEON, and draws the common scenes: grids under every filter, with colours or without, adaptive meshes, rectilinear grids and scattered points, over and accumulate, front to back, shaded or not. In grids, its rays begin where the
 //! outermost visible blocks, projected once a view, say that something can be seen. It is tested against the plain one, which is tested
 //! against `vr-physics`.
 //!
@@ -100,7 +100,7 @@
 //! samples at distances miss. On smooth scenes it takes some two to four times as long as plain steps of ⅕.
 //!
 //! # What it does not do yet
-//! Its vector kernels ([`Vector`] says what they draw) know grids, adaptive meshes and rectilinear grids: scattered points, meshes of cells and functions go
+//! Its vector kernels ([`Vector`] says what they draw) know grids, adaptive meshes, rectilinear grids and scattered points: meshes of cells and functions go
 //! ray by ray. Local steps beside voxels with colours are a sixth of a voxel at most. Volumes that are no uniform grids it draws by the rules midpoint and left alone, and those that
 //! are neither adaptive meshes nor rectilinear grids, whose ranges of values are known part by part, in uniform steps. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
 

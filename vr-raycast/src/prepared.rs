@@ -10,7 +10,7 @@ use crate::engine::Engine;
 use crate::error_bound::BoundedRays;
 use crate::leap::visibility;
 use crate::pace::Pace;
-use crate::packet::{PacketFrame, PatchFrame, PickFrame};
+use crate::packet::{PacketFrame, PatchFrame, PickFrame, PointFrame};
 use crate::pipeline::Pipeline;
 use crate::render_tables::{RenderTables, TablesByPrecision};
 use crate::screen;
@@ -118,7 +118,10 @@ impl Prepared for PreparedCaster {
         }
         let (kernel, own_kernel) = match &self.engine {
             Engine::Plain(kernel) | Engine::Field(kernel, _) => (kernel, true),
-            Engine::Packets(_, kernel) | Engine::Picks(_, kernel) | Engine::Patches(_, kernel, _) => (kernel, false),
+            Engine::Packets(_, kernel)
+            | Engine::Picks(_, kernel)
+            | Engine::Patches(_, kernel, _)
+            | Engine::Points(_, kernel, _) => (kernel, false),
             Engine::ErrorBound(_) => return Ok(None),
         };
         control.run(|| match kernel {
@@ -144,6 +147,7 @@ impl PreparedCaster {
             },
             Engine::Packets(engine, _) => Box::new(PacketFrame::new(engine, &engine.volume, seen)?),
             Engine::Patches(engine, ..) => Box::new(PatchFrame::new(engine, &self.source, seen)?),
+            Engine::Points(engine, ..) => Box::new(PointFrame::new(engine, seen)?),
             Engine::ErrorBound(error_bound) => {
                 let single = self.caster.precision == Precision::F32;
                 Box::new(BoundedRays {

@@ -36,7 +36,7 @@ fn drawn(options: &Options, scene: &Scene) -> Result<String, String> {
 fn a_choice_that_is_not_honoured_is_refused() {
     let kind = |compositing| Scene { compositing, ..bumpy() };
     let over = bumpy();
-    let set = |pairs: &[(&str, &str)]| pairs.iter().fold(Options::new(), |options, (k, v)| options.with(*k, *v));
+    let set = |pairs: &[(&str, &str)]| pairs.iter().fold(Options::new(), |options, (k, v)| options.with(k, *v));
     let exact = set(&[("rule", "exact"), ("traversal", "cells")]);
     let voxels = set(&[("traversal", "voxels")]);
     for (base, key, value, scene, word) in [

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use fearless_simd::{Level, Simd};
+use fearless_simd::Level;
 use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::image_order::ImageSample;
@@ -13,18 +13,17 @@ use vr_core::{
 use vr_kernels::ranges::LevelRanges;
 use vr_kernels::ranges::RangeBlocks;
 use vr_kernels::tables::BakedTransfer;
-use vr_kernels::vector::{
-    self, Field, LANES, Lanes, OpticsTable, PacketLights, PacketShading, Rows, SegmentTable, Vectorized,
-};
+use vr_kernels::vector::{self, Field, OpticsTable, PacketShading, Rows, SegmentTable};
 
 use super::course::Course;
 use super::fields::{FilteredField, PacketField, can_sample};
 use super::leap::Distances;
 use super::level;
 use super::local::{LocalSteps, by_byte};
-use super::march::{LatticeSteps, MarchSteps, Medium, march};
+use super::march::{LatticeSteps, MarchSteps, Medium};
 use super::segments::{SegmentLengths, SegmentSteps};
-use super::setup::{FrameSetup, Packet};
+use super::setup::FrameSetup;
+use super::trace::{Trace, TraceFrame};
 use crate::caster::{CompositingOrder, EmptySpace, RayCaster, Rule, Step, TransferLookup, Traversal};
 use crate::leap::{Visibility, VisibleBlocks};
 use crate::near_depths::NearDepths;
@@ -102,7 +101,7 @@ impl PacketLengths {
 }
 
 /// Largest number of steps of a ray: f32 counts them one by one, with room to spare.
-const MAX_STEPS: f64 = (1 << 22) as f64;
+pub(super) const MAX_STEPS: f64 = (1 << 22) as f64;
 
 /// Cells along the edge of a block that is leaped over. With 8, opaque scenes took 1.2 times as long (mni, step 1: 18.8 and 15.5 ms).
 pub(crate) const EDGE: usize = LevelRanges::EDGE;
@@ -141,7 +140,11 @@ impl PacketEngine {
             Rule::Left | Rule::Linear | Rule::Quadratic => 0.0,
             Rule::Exact => return None,
         };
-        let shading = tables.shader.as_ref().and_then(|s| s.for_packets(scene.reflection().is_some()));
+        let gradient = scene.shading.as_ref().map(|shading| shading.gradient).unwrap_or_default();
+        // A field that is constant around each voxel has no gradient of its own: nothing reflects.
+        let is_flat = volume.filter() == Filter::Nearest && gradient == GradientMethod::Analytic;
+        let reflects = scene.reflection().is_some() && !is_flat;
+        let shading = tables.shader.as_ref().and_then(|s| s.for_packets(reflects));
         let leaps = caster.empty_space != EmptySpace::None;
         // Choose what a step's light is looked up in, and the lengths of the steps.
         let profile = tables.classifier.profile.as_ref();
@@ -188,7 +191,7 @@ impl PacketEngine {
             cut,
             max_radiance: scene.max_radiance(),
             shading,
-            gradient: scene.shading.as_ref().map(|shading| shading.gradient).unwrap_or_default(),
+            gradient,
             colors: scene.volume.colors().cloned(),
         })
     }
@@ -260,75 +263,16 @@ impl<'a> PacketFrame<'a> {
 impl Tracer for PacketFrame<'_> {
     fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
         let engine = self.engine;
+        let frame = TraceFrame { setup: self.setup(), near: self.near.as_ref(), max_radiance: &engine.max_radiance };
         if let Some(field) = FilteredField::new(self.volume, engine.colors.as_deref(), engine.gradient) {
             let medium = self.medium(field);
-            vector::run(engine.level, Trace { frame: self, medium: &medium, spots, starts, values, counts });
+            vector::run(engine.level, Trace { frame: &frame, medium: &medium, spots, starts, values, counts });
             return;
         }
         with_voxels!(self.volume, lattice => {
             let medium = self.medium(Field::new(&lattice));
-            vector::run(engine.level, Trace { frame: self, medium: &medium, spots, starts, values, counts });
+            vector::run(engine.level, Trace { frame: &frame, medium: &medium, spots, starts, values, counts });
         });
-    }
-}
-
-/// Arguments of [`Tracer::trace`], for the visit of the voxel type.
-struct Trace<'a, 'f, T> {
-    frame: &'a PacketFrame<'f>,
-    medium: &'a Medium<'a, T>,
-    spots: &'a [ImageSample],
-    starts: Option<&'a [u32]>,
-    values: &'a mut Vec<RaySample>,
-    counts: &'a mut Counts,
-}
-
-impl<T: PacketField> Vectorized for Trace<'_, '_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let setup = self.frame.setup();
-        let mut packet = Packet::EMPTY;
-        let mut lights = PacketLights::default();
-        let mut stages = [T::Stage::default(), T::Stage::default()];
-        for (group, spots) in self.spots.chunks(LANES).enumerate() {
-            let mut nearest = [f64::INFINITY; LANES];
-            let mut any = false;
-            for (nearest, spot) in nearest.iter_mut().zip(spots) {
-                *nearest = self.frame.near.as_ref().map_or(0.0, |near| near.at_spot(spot));
-                any |= *nearest < f64::INFINITY;
-            }
-            let mut traced = [RaySample::NOTHING; LANES];
-            packet.hits = 0;
-            if any {
-                setup.packet(simd, spots, &nearest, &mut packet);
-            }
-            if packet.hits != 0 {
-                if let Some(starts) = self.starts {
-                    packet.begin_at(&starts[group * LANES..][..spots.len()]);
-                }
-                let max_light = self.frame.max_light(&packet);
-                if let Some(shading) = &self.frame.engine.shading {
-                    lights.look_along(&shading.lights, &packet.directions);
-                }
-                let marched = march(simd, self.medium, &packet, &max_light, &lights, &mut stages);
-                self.counts.rays += u64::from(packet.hits.count_ones());
-                self.counts.samples += u64::from(marched.samples);
-                self.counts.terminated += u64::from(marched.terminated.count_ones());
-                for i in 0..spots.len() {
-                    let steps = packet.middle[i] + f64::from(marched.half.0[i]);
-                    let rgba = &marched.rgba;
-                    traced[i].rgba = [rgba[0].0[i], rgba[1].0[i], rgba[2].0[i], rgba[3].0[i]];
-                    traced[i].depth = (packet.begin[i] + steps * setup.step) as f32;
-                }
-            }
-            if let Some(layer) = setup.layer {
-                for (value, spot) in traced.iter_mut().zip(spots) {
-                    *value = value.over(layer, spot.pixel);
-                }
-            }
-            self.values.extend_from_slice(&traced[..spots.len()]);
-        }
     }
 }
 
@@ -386,11 +330,6 @@ impl PacketFrame<'_> {
             },
             forward: self.forward,
         }
-    }
-
-    /// Returns, for each ray, the largest light or opacity that can come from behind, per transmittance left.
-    fn max_light(&self, packet: &Packet) -> Lanes {
-        Lanes(packet.length.map(|length| self.engine.max_radiance.over(length) as f32))
     }
 }
 

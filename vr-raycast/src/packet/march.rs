@@ -172,6 +172,7 @@ fn lattice<S: Simd, T: PacketField>(
             let live = there(simd, medium.vacuum, &cells, live);
             let light = step_light(simd, medium.optics.rows().at(simd, value), ratio, medium.optics.emits);
             let light = shaded(simd, medium, lights, live, &ray, (&cells, ratio), light, now);
+            let light = medium.field.outside_vacuum(simd, light, now);
             sums.add_up_to(simd, medium.level, live, [end, ratio], light);
             break;
         }
@@ -185,6 +186,8 @@ fn lattice<S: Simd, T: PacketField>(
         let light = shaded(simd, medium, lights, live, &ray, (&cells, one), rows.at(simd, value), now);
         let light_then = rows.at(simd, value_then);
         let light_then = shaded(simd, medium, lights, live, &ray, (&cells_then, one), light_then, next);
+        let light = medium.field.outside_vacuum(simd, light, now);
+        let light_then = medium.field.outside_vacuum(simd, light_then, next);
         // One branch for both: two take 0.7 % more instructions.
         let (mut light, mut light_then) = (light, light_then);
         if medium.vacuum.is_some() {

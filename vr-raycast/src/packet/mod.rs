@@ -41,11 +41,14 @@ mod local;
 mod march;
 mod patches;
 mod picks;
+mod points;
 #[cfg(test)]
 mod random_scenes;
 mod segments;
 mod setup;
+mod trace;
 
 pub(crate) use engine::{PacketEngine, PacketFrame};
 pub(crate) use patches::{PatchEngine, PatchFrame};
 pub(crate) use picks::{PickEngine, PickFrame};
+pub(crate) use points::{PointEngine, PointFrame};

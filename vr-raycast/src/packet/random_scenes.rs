@@ -71,7 +71,7 @@ fn volumes() -> impl Strategy<Value = Volume> {
 }
 
 /// Strategy of transfer functions whose ramps are at least a tenth of the range wide; clear below the first.
-fn transfers(max_opacity: f64) -> impl Strategy<Value = TransferFunction> {
+pub(super) fn transfers(max_opacity: f64) -> impl Strategy<Value = TransferFunction> {
     let point = (
         0.1f64..0.3,
         prop::array::uniform3(0.0f64..1.0),

@@ -29,6 +29,12 @@ pub(crate) trait PacketField {
     /// Returns the values at places that were fetched last.
     fn value<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Self::Stage) -> f32x16<S>;
 
+    /// Returns the light of places that were fetched last; those without a field, which no cells tell, are clear.
+    #[inline(always)]
+    fn outside_vacuum<S: Simd>(&self, _: S, light: [f32x16<S>; 4], _: &Self::Stage) -> [f32x16<S>; 4] {
+        light
+    }
+
     /// Returns the gradients at places, per index step, and how they change over steps of an extent, where they are followed: `at` and `step` are those of
     /// [`central_differences`]; `stage` is used up.
     fn gradients<S: Simd>(

@@ -1,0 +1,115 @@
+//! Lists of the points whose supports reach into the cells of a lattice.
+
+use glam::DVec3;
+use vr_core::{Placement, PointSet};
+
+/// Support as seen from a cell that it reaches into.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NearPoint {
+    /// Position from the lower corner of the cell, in units of the points' mean spacing: so that f32 holds it as exactly as anything near the cell.
+    pub(super) offset: [f32; 3],
+    /// One over the square of the radius, in these units.
+    pub(super) per_square: f32,
+    /// Largest contribution, by the kernel's table: w·v/R³.
+    pub(super) amplitude: f32,
+}
+
+/// Lists of the points whose supports reach into each cell of a lattice, whose edges are about the mean radius.
+#[derive(Debug)]
+pub(super) struct PointCells {
+    /// Cells along x, y, z.
+    pub(super) cells: [usize; 3],
+    /// Edges of a cell of the field's lattice in units of the spacing.
+    pub(super) edges: [f32; 3],
+    /// World length of the unit.
+    pub(super) spacing: f64,
+    /// Begin of the list of each cell, and the end of the last.
+    first: Vec<u32>,
+    points: Vec<NearPoint>,
+}
+
+/// Cells of the field's lattice, whose edges are about half the mean radius, along the edge of one here: lists of smaller cells hold fewer points that
+/// do not reach a place, and each point is in more of them.
+pub(super) const EDGE: usize = 2;
+/// Largest numbers of cells, and of entries of their lists (320 MB).
+const MAX_CELLS: usize = 1 << 26;
+const MAX_ENTRIES: usize = 1 << 24;
+
+impl PointCells {
+    /// Lists the points of a set in the cells of the lattice over its box; `None` if that takes too much memory, or numbers that f32 does not hold.
+    pub(super) fn new(points: &PointSet, placement: &Placement, dims: [usize; 3]) -> Option<Self> {
+        let cells = dims.map(|n| (n - 1).div_ceil(EDGE));
+        let count = cells.iter().try_fold(1usize, |count, &n| count.checked_mul(n)).filter(|&n| n <= MAX_CELLS)?;
+        let spacing = points.mean_spacing();
+        let edges = placement.spacing() / spacing;
+        let origin = placement.origin();
+        // Numbers of points in each cell first, then their places in one list.
+        let mut first = vec![0u32; count + 1];
+        let mut entries = 0usize;
+        for k in 0..points.count() {
+            if entries > MAX_ENTRIES {
+                return None;
+            }
+            each_cell(points, k, (origin, edges * spacing, cells), |cell, _| {
+                first[cell + 1] += 1;
+                entries += 1;
+            });
+        }
+        if entries > MAX_ENTRIES {
+            return None;
+        }
+        for i in 0..count {
+            first[i + 1] += first[i];
+        }
+        let none = NearPoint { offset: [0.0; 3], per_square: 0.0, amplitude: 0.0 };
+        let mut near = vec![none; entries];
+        let mut next = first.clone();
+        let mut holds = true;
+        for k in 0..points.count() {
+            let radius = f64::from(points.radii()[k]) / spacing;
+            let (per_square, amplitude) = ((1.0 / (radius * radius)) as f32, points.amplitude(k) as f32);
+            holds &= per_square.is_normal() && amplitude.is_finite();
+            each_cell(points, k, (origin, edges * spacing, cells), |cell, corner| {
+                let offset = ((points.positions()[k] - corner) / spacing).as_vec3().to_array();
+                near[next[cell] as usize] = NearPoint { offset, per_square, amplitude };
+                next[cell] += 1;
+            });
+        }
+        let edges = edges.as_vec3().to_array();
+        holds.then_some(Self { cells, edges, spacing, first, points: near })
+    }
+
+    /// Returns the points that reach into a cell.
+    #[inline(always)]
+    pub(super) fn of(&self, cell: usize) -> &[NearPoint] {
+        &self.points[self.first[cell] as usize..self.first[cell + 1] as usize]
+    }
+}
+
+/// Calls `visit` with each cell that the support of a point reaches into, and the cell's lower corner.
+fn each_cell(
+    points: &PointSet,
+    k: usize,
+    (origin, edges, cells): (DVec3, DVec3, [usize; 3]),
+    mut visit: impl FnMut(usize, DVec3),
+) {
+    // A little more, for places that f32 puts into the next cell.
+    const MARGIN: f64 = 1e-4;
+    let edge = edges * EDGE as f64;
+    let radius = f64::from(points.radii()[k]) + MARGIN * edge.max_element();
+    let at = points.positions()[k] - origin;
+    let (low, high) = ((at - radius) / edge, (at + radius) / edge);
+    // `as` saturates at 0.
+    let range = |a: usize| low[a].floor() as usize..=(high[a].floor() as usize).min(cells[a] - 1);
+    for z in range(2) {
+        for y in range(1) {
+            for x in range(0) {
+                let corner = edge * DVec3::new(x as f64, y as f64, z as f64);
+                let nearest = at.clamp(corner, corner + edge);
+                if nearest.distance_squared(at) < radius * radius {
+                    visit((z * cells[1] + y) * cells[0] + x, origin + corner);
+                }
+            }
+        }
+    }
+}

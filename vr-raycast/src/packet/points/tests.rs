@@ -1,0 +1,76 @@
+//! Comparison of packets through scattered points with the plain engine.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use proptest::prelude::*;
+use vr_core::{Camera, Control, PointKernel, PointSet, Scene, Shading, View};
+
+use crate::caster::{CompositingOrder, RayCaster, Rule, Step, Vector};
+use crate::engine::Engine;
+use crate::packet::compared::{bits, plain, row_by_row, same};
+use crate::packet::random_scenes::{factors, sums, transfers};
+use crate::prepared::PreparedCaster;
+use crate::tracer::RaySample;
+
+/// Largest difference of the engines: sums of a few dozen kernels in f32, and positions in f32.
+const TWO_ENGINES: f32 = 1e-4;
+
+/// Largest difference of shaded pictures: the direction of a small gradient is set by rounding, and so is what a surface there reflects.
+const TWO_SHADINGS: f32 = 5e-3;
+
+/// Clustered in place and radius, of values between 0 and 1, as far from the origin as 1000 radii.
+fn sets() -> impl Strategy<Value = PointSet> {
+    let place = prop::array::uniform3((-1.0f64..1.0).prop_map(|x| x * x.abs()));
+    let one = (place, 0.1f32..0.5, 0.0f32..1.0);
+    let kernel = prop::sample::select(PointKernel::ALL.to_vec());
+    (prop::collection::vec(one, 1..80), prop_oneof![Just(0.0), Just(300.0)], kernel).prop_map(|(all, far, kernel)| {
+        let positions = all.iter().map(|p| DVec3::from(p.0) + far).collect();
+        let radii: Vec<f32> = all.iter().map(|p| p.1).collect();
+        // All of them together make no more than twice the range of the transfer functions, wherever they lie.
+        let share = 2.0 / all.len().max(2) as f32 / kernel.at(0.0) as f32;
+        let weights = radii.iter().map(|r| share * r.powi(3)).collect();
+        let values = all.iter().map(|p| p.2).collect();
+        PointSet::new(positions, radii, weights, values, kernel).unwrap()
+    })
+}
+
+fn drawn(caster: &RayCaster, scene: &Scene, view: &View) -> Option<Vec<RaySample>> {
+    let control = Control::default();
+    let prepared = PreparedCaster::new(caster.clone(), scene, &control).unwrap();
+    if !matches!(prepared.engine, Engine::Points(..)) {
+        return None;
+    }
+    let layer = scene.layer(view, &control).unwrap();
+    let mut values = Vec::new();
+    let tracer = prepared.tracer((view, layer.as_ref())).unwrap();
+    tracer.trace(&row_by_row(view), None, &mut values, &mut vr_core::Counts::default());
+    // No bit depends on company.
+    let mut alone = Vec::new();
+    for spot in row_by_row(view) {
+        tracer.trace(&[spot], None, &mut alone, &mut vr_core::Counts::default());
+    }
+    assert_eq!(bits(&values), bits(&alone));
+    Some(values)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn draws_what_the_plain_engine_draws(points in sets(), transfer in transfers(0.9), angles in (-180.0f64..180.0, -80.0f64..80.0, prop::option::of(20.0f64..90.0)), size in (1u32..13, 1u32..10), step in 0.2f64..2.5, left in any::<bool>(), shade in any::<bool>(), gradient_opacity in factors(), compositing in sums()) {
+        let shading = shade.then(|| Arc::new(Shading { gradient_opacity, ..Shading::default() }));
+        let scene = Scene { compositing, shading, ..Scene::new(points.into(), transfer) };
+        let view = View::new(Camera::framing(scene.volume.bounds(), angles.0, angles.1, angles.2), [size.0, size.1]);
+        let rule = if left { Rule::Left } else { Rule::Midpoint };
+        let caster = RayCaster { step: Step::Uniform(step), rule, order: CompositingOrder::WHOLE_RAY, ..RayCaster::default() };
+        let values = drawn(&caster, &scene, &view);
+        // A ramp narrower than what f32 tells apart.
+        let Some(values) = values else { return Ok(()) };
+        same(&values, &plain(&caster, &scene, &view), if shade { TWO_SHADINGS } else { TWO_ENGINES })?;
+        for vector in [Vector::Avx2, Vector::Baseline] {
+            let other = drawn(&RayCaster { vector, ..caster.clone() }, &scene, &view).unwrap();
+            prop_assert_eq!(bits(&other), bits(&values), "{:?}", vector);
+        }
+    }
+}
