@@ -151,8 +151,17 @@ impl<R: Real> SharedSamples<R> for RowSamples<'_, R> {
             self.sampled[number] = true;
             with_grid!(self.grid, grid => self.fill(grid, number));
         }
-        for (value, &number) in run.value[..len].iter_mut().zip(&run.steps.number) {
-            *value = self.values[number as usize][self.ray];
+        let (numbers, ray) = (&run.steps.number[..len], self.ray % ACROSS);
+        let (first, last) = (numbers[0] as usize, numbers[len - 1] as usize);
+        if last - first + 1 == len {
+            // Nothing was left out between: one bound to check.
+            for (value, values) in run.value[..len].iter_mut().zip(&self.values[first..=last]) {
+                *value = values[ray];
+            }
+        } else {
+            for (value, &number) in run.value[..len].iter_mut().zip(numbers) {
+                *value = self.values[number as usize][ray];
+            }
         }
         // A step that is cut by the ray's end has its sample elsewhere. A voxel stands for it, cut or not.
         if !self.steps.beside {
