@@ -5,6 +5,9 @@ use std::path::Path;
 use crate::readers;
 use crate::seeds::{amr, grids, meshes, nothing_beside, pictures, points, texts, vtk};
 
+/// Packs the bytes of a file.
+type Pack = fn(&[u8]) -> Vec<u8>;
+
 /// A kind of file with the reader that takes it.
 pub struct Target {
     /// Name, by which a fuzzer chooses it.
@@ -15,7 +18,7 @@ pub struct Target {
     pub(crate) entry: &'static str,
     pub(crate) reader: fn(&Path) -> Result<(), String>,
     /// Packs the bytes: what a reader unpacks is to be damaged inside, too.
-    pub(crate) pack: Option<fn(&[u8]) -> Vec<u8>>,
+    pub(crate) pack: Option<Pack>,
     /// Writes the other files that the reader needs.
     pub(crate) beside: fn(&Path),
     seeds: fn() -> Vec<Vec<u8>>,
@@ -35,7 +38,7 @@ impl Target {
         Self { entry, beside, ..self }
     }
 
-    const fn packed(self, pack: fn(&[u8]) -> Vec<u8>) -> Self {
+    const fn packed(self, pack: Pack) -> Self {
         Self { pack: Some(pack), ..self }
     }
 
