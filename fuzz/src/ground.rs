@@ -32,7 +32,7 @@ impl Ground {
     /// Reads a file of these bytes.
     ///
     /// # Errors
-    /// What the reader did wrong: a message of two lines, a volume that is not finite.
+    /// A fault of the reader: a message of two lines, a volume that is not finite.
     ///
     /// # Panics
     /// If the reader does, or the file cannot be written.

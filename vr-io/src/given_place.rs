@@ -36,7 +36,7 @@ impl GivenPlace {
         }
         let origin = self.origin.map_or(own.origin(), DVec3::from);
         description.placement = Placement::new(origin, axes).map_err(in_file)?;
-        // What was assumed is no longer.
+        // Take back the notes about assumptions that no longer hold.
         if self.origin.is_some() {
             description.notes.retain(|note| !note.contains("origin") || !note.ends_with("is assumed"));
         }

@@ -158,7 +158,7 @@ impl LatticeVisitor for DrawGrid<'_> {
         let cells = voxels.cells.as_ref().map(|bits| VisibleCells { bits, dims: lattice.dims, beyond });
         let spread =
             Spread { reach: renderer.kernel.reach(), low_pass: renderer.low_pass, offset: offset(input).0, beyond };
-        // Where gradients have a part in it, light of voxels is found for the view.
+        // Light of voxels in which gradients have a part is found for the view.
         let lit = renderer.splats_light() && prepared.scene.compositing.integrates_light();
         let lights = if lit {
             let make =
@@ -189,7 +189,7 @@ impl PreparedSplatter {
         stats: &mut RenderStats,
     ) -> Result<Frame, RenderError> {
         let splat_view = self.splat_view(view)?;
-        // Where gradients have a part in it, light of points is found for the view.
+        // Light of points in which gradients have a part is found for the view.
         let lights = if self.renderer.splats_light() {
             let make = || control.run(|| point_lights(&self.scene, points, visible, view, self.level));
             stats.time("light", make)?

@@ -195,7 +195,7 @@ fn random_clouds_are_what_the_model_sums() {
             }
             test
         });
-        // Where gradients of points cancel, and at the edge of a spline's support, where they vanish, what rounding leaves of them turns: 5·10⁻³ at worst.
+        // Gradients of points that cancel, or vanish at the edge of a spline's support, have a direction of rounding: 5·10⁻³ at worst.
         let bound = |_: &Scene, _: &View| 8e-3;
         let report = agrees_with_its_model(&renderer, following, bound, &Effort::cases(48));
         let report = report.unwrap_or_else(|e| panic!("shaded, {renderer:?}: {e}"));

@@ -18,7 +18,7 @@ pub(crate) enum LightTexels {
     Luminance(Vec<[f32; 2]>),
     /// Indices into a palette; where voxels are shaded, factors on the three colours of each, and the three lights that are added to an opaque one. A palette
     /// holds one colour for a value, so it cannot hold the colours of all orientations of a surface.
-    /// Where opacity follows the gradient, the level of its magnitude as well.
+    /// If opacity follows the gradient, the level of its magnitude as well.
     Indices {
         indices: Vec<u8>,
         levels: Option<Vec<u8>>,

@@ -82,13 +82,13 @@ pub(crate) enum Shown<'a> {
     Largest(f32),
 }
 
-/// What blocks of [`Occupancy::EDGE`]³ cells can show.
+/// Visibility of blocks of [`Occupancy::EDGE`]³ cells.
 pub(crate) struct Occupancy<'a> {
     /// Along each axis of the texture.
     blocks: [usize; 3],
-    /// Of each block, 1 if anything in it is visible, and 0 if nothing is; of an extreme, the largest value times the sign.
+    /// For each block, 1 if anything in it is visible, and 0 if nothing is; for an extreme, the largest value times the sign.
     bounds: Vec<f32>,
-    /// Where segments may pass vacuum.
+    /// Blocks in which segments may pass vacuum.
     gaps: Option<Gaps<'a>>,
 }
 

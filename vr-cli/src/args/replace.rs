@@ -1,8 +1,8 @@
-//! What happens to files that are in the place of an output.
+//! Choice of replacing files that are in the place of an output.
 
 use clap::Args;
 
-/// What happens to files that are in the place of an output.
+/// Choice of replacing files that are in the place of an output.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub struct ReplaceArgs {
     /// Replace files that are there, too, which are no pictures of vr's

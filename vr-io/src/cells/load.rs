@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use vr_core::Volume;
 use vr_core::cells::{CellMesh, CellRepairs, CellValues};
+use vr_core::{Volume, memory};
 
 use crate::chosen::Chosen;
 use crate::error::{FieldError, FileError};
@@ -13,6 +13,11 @@ use crate::read::{Loaded, ReadOptions};
 use super::cell_file::{CellFile, Piece};
 use super::tetrahedra::Tetrahedra;
 use super::weld::{Merge, Weld};
+
+/// Memory of a tetrahedron while its neighbours are looked for: vertices, neighbours, and four faces with their owners.
+const BYTES_PER_TETRAHEDRON: u64 = 128;
+/// Memory of a vertex: position, value and gradient.
+const BYTES_PER_VERTEX: u64 = 56;
 
 /// Outcome of making a mesh of a file.
 pub(super) enum Outcome {
@@ -103,6 +108,8 @@ fn mesh(
         CellValues::Vertices(weld.values)
     };
     let total = cells.len();
+    let bytes = total as u64 * BYTES_PER_TETRAHEDRON + weld.positions.len() as u64 * BYTES_PER_VERTEX;
+    memory::check("the mesh of cells", bytes).map_err(|e| FileError::new(path, e))?;
     let mesh = CellMesh::new(weld.positions, cells, values).map_err(|e| FileError::new(path, e))?;
     notes.extend(repairs(mesh.repairs(), total));
     Ok(mesh)

@@ -7,7 +7,7 @@ mod segments;
 use std::path::{Path, PathBuf};
 
 use vr_core::labels::LabelMap;
-use vr_core::{AnyGrid, Volume};
+use vr_core::{Volume, memory};
 
 use crate::error::{FieldError, FileError};
 use crate::read::{FileInfo, Loaded, ReadOptions, each_once, read};
@@ -74,9 +74,13 @@ pub fn read_labels(path: impl AsRef<Path>, list: Option<&Path>) -> Result<Loaded
 }
 
 fn label_map(path: &Path, volume: &Volume) -> Result<LabelMap, FileError> {
-    let grid: &AnyGrid = volume
+    let grid = volume
         .grid()
-        .map(|grid| grid.values())
         .ok_or_else(|| FieldError::new("labels", volume.kind(), "must be voxels: a grid").in_file(path))?;
-    LabelMap::new(grid).map_err(|e| FileError::new(path, e))
+    let voxels = grid.dims().iter().map(|&n| n as u64).product::<u64>();
+    memory::check("the labels", voxels.saturating_mul(BYTES_PER_VOXEL)).map_err(|e| FileError::new(path, e))?;
+    LabelMap::new(grid.values()).map_err(|e| FileError::new(path, e))
 }
+
+/// Memory of a voxel's label while a map is made: its rank, twice.
+const BYTES_PER_VOXEL: u64 = 4;

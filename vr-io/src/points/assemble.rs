@@ -1,11 +1,11 @@
 //! Assembly of points from columns: radii, weights and values that a file holds, and assumptions for those that it lacks.
 
 use glam::DVec3;
-use vr_core::PointSet;
+use vr_core::{PointSet, memory};
 
 use super::neighbours;
 use super::roles::Roles;
-use super::{Column, PointOptions, Table};
+use super::{BYTES_PER_POINT, Column, PointOptions, Table};
 use crate::error::FileErrorKind;
 
 /// η: a smoothing length is so many mean distances of particles in smoothed particle hydrodynamics, h = η (m/ρ)^(1/3) (Price 2012,
@@ -39,6 +39,7 @@ pub(super) fn assemble(
     if positions.is_empty() {
         return Err(vr_core::PointError::Empty.into());
     }
+    memory::check("the points", positions.len() as u64 * BYTES_PER_POINT)?;
     let all = |column: &Column, what: &str, allowed: &str, right: fn(f64) -> bool| match column
         .numbers
         .iter()

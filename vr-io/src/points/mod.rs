@@ -100,6 +100,9 @@ pub struct LoadedPoints {
     pub notes: Vec<String>,
 }
 
+/// Memory of a point: position, radius, weight and value, and a place in the order of neighbours.
+pub(crate) const BYTES_PER_POINT: u64 = 56;
+
 /// Reads scattered points of any supported format, told by the content first and by the name second.
 ///
 /// f(x) = Σ wₖ vₖ W(|x − xₖ| / Rₖ) / Rₖ³ (see [`PointSet`]) needs a radius, a weight and a value for each point. They are the file's where

@@ -6,7 +6,7 @@ use vr_core::{ControlPoint, Filter, ParameterError, Volume, memory, phantom};
 
 use crate::error::FileError;
 use crate::given_place::GivenPlace;
-use crate::points::PointOptions;
+use crate::points::{BYTES_PER_POINT, PointOptions};
 use crate::raw::RawDescription;
 use crate::read::{FileInfo, Loaded, ReadOptions, has_unread_voxels, missing_voxels, outline, read};
 use crate::toml_table::table_of;
@@ -177,9 +177,6 @@ fn phantom_of_points(name: &str, count: usize) -> Result<Volume, ParameterError>
 const PHANTOM_SIZE: usize = 64;
 /// The sizes that a phantom may have; the largest takes 32 GiB.
 const PHANTOM_SIZES: std::ops::RangeInclusive<usize> = 2..=2048;
-
-/// Memory of a point: position, radius, weight and value, and a place in the order of neighbours.
-const BYTES_PER_POINT: u64 = 56;
 
 /// Points of a phantom of which no count is given.
 const PHANTOM_POINTS: usize = 10_000;

@@ -9,7 +9,7 @@ pub enum TransferLookup {
     /// Look-up in a table made for the step's length; see [`vr_kernels::tables::BakedTransfer`] for what that adds to the error.
     /// A transfer function that tells apart what no table of some thousand entries can is evaluated exactly after all.
     ///
-    /// Where nothing is looked up in a table, whatever the transfer function, it is refused: under operators that pick a value, by
+    /// It is refused where nothing is looked up in a table, whatever the transfer function: under operators that pick a value, by
     /// [`Rule::Exact`](super::Rule::Exact), under an error bound, and in fields that the plain engine draws and that are no grids.
     Table,
     /// Evaluation at every sample in f64: slow, for study and for transfer functions finer than any table.

@@ -32,7 +32,7 @@ impl Course<'_> {
         live: u32,
         light: &mut TwoLights,
     ) {
-        // Of rays that wait, too: a table has no place for what is no number.
+        // Values of rays that wait count, too: a table has no place for NaN.
         if self.has_holes && values.iter().any(|lanes| lanes.0.iter().any(|value| value.is_nan())) {
             self.light_beside_holes(simd, values, lengths, live, light);
         } else if self.is_parabola {

@@ -38,7 +38,7 @@ struct ChordGradients<S: Simd> {
 struct UpTo<S: Simd> {
     /// ∫ W.
     whole: f32x16<S>,
-    /// Of the gradient, where that is asked for.
+    /// Integral of the gradient, if that is asked for.
     gradient: Option<GradientSum<S>>,
 }
 

@@ -74,7 +74,7 @@ fn rasterize(proxy: &ProxyGeometry<'_>, slab: Slab, shift: DVec2, size: [u32; 2]
     for span in proxy.polygons(slab, shift).iter().flat_map(|polygon| polygon_spans(polygon, size)) {
         let (row, bits) = ((span.y / 4) as usize * across, span.y % 4 * 4);
         for column in span.begin / 4..span.end.div_ceil(4) {
-            // Of four pixels side by side, those from the span's begin to its end.
+            // Set those of four pixels side by side that lie in the span.
             let (first, past) = (span.begin.max(4 * column) % 4, (span.end - 4 * column).min(4));
             let sixteen = row + column as usize;
             masks[sixteen] |= ((1 << past) - (1 << first)) << bits;
