@@ -79,7 +79,10 @@ fn wrong_files_are_told_where_and_what() {
             "[camera]\neye = [0,0,0]\ntarget = [1,0,0]\nup = [0,1,0]\nqqqqqqq = 1\n",
             "line 5: unknown key 'qqqqqqq'; must be one of projection, eye",
         ),
-        ("[volume]\nfilter = \"cubic\"\n", "s.toml: line 2: unknown variant `cubic`"),
+        (
+            "[volume]\nfilter = \"cubic\"\n",
+            "s.toml: line 2: volume.filter: found \"cubic\"; must be one of nearest, trilinear",
+        ),
         ("[image]\nsize = [512]\n", "s.toml: line 2: "),
         ("volume = \n", "s.toml: line 1: "),
     ] {
@@ -320,7 +323,7 @@ fn keys_that_do_not_suit_the_volume_are_refused() {
         ("phantom = \"plumer\"\ncount = 4", &["did you mean 'plummer'"]),
         ("data = [0]\ndims = [1,1,1]\nframe = 1", &["volume.frame: found 1", "dims, type, spacing"]),
         ("dims = [2,2,2]", &["volume: found dims alone", "a path, a phantom, data or points"]),
-        ("path = \"x.raw\"\nendian = \"middle\"", &["line 3", "`middle`", "`little`", "`big`"]),
+        ("path = \"x.raw\"\nendian = \"middle\"", &["line 3", "volume.endian: found \"middle\"", "little", "big"]),
         ("points = []", &["volume.points", "no point"]),
         ("data = [0,0,0,0,0,0,0,0]\ndims = [2,2,2]\nvalue = \"T\"", &["volume.value", "grid"]),
     ] {

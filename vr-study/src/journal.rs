@@ -1,7 +1,7 @@
 //! Journal: the finished parts of a long study, on disk, so that it can be resumed.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -23,8 +23,11 @@ impl Journal {
     /// Resumes the journal of a study, or begins one: another study's is overwritten.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// A file that cannot be written, or that another run writes to meanwhile ([`io::ErrorKind::ResourceBusy`]).
     pub fn open(path: &Path, study: &str) -> io::Result<Self> {
+        // Hold the file that is there until there is another one in its place: two runs would undo each other's work.
+        let before = File::open(path).ok();
+        before.as_ref().map_or(Ok(()), hold)?;
         let mut done = BTreeMap::new();
         if let Ok(text) = fs::read_to_string(path) {
             let mut lines = text.lines().map_while(|line| serde_json::from_str::<(String, Value)>(line).ok());
@@ -40,6 +43,7 @@ impl Journal {
         // Whole or not at all: what was done before is not lost if this fails.
         vr_io::write_bytes(path, &kept).map_err(io::Error::other)?;
         let file = File::options().append(true).open(path)?;
+        hold(&file)?;
         Ok(Self { path: path.into(), done, file })
     }
 
@@ -93,6 +97,17 @@ impl Journal {
 
 const STUDY: &str = "study";
 
+/// Locks a file for as long as it is open. Where a file system has no locks, runs are not told apart.
+fn hold(file: &File) -> io::Result<()> {
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => {
+            let message = "another run writes there; wait for its end, or name another folder";
+            Err(io::Error::new(io::ErrorKind::ResourceBusy, message))
+        }
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(()),
+    }
+}
+
 fn write_line(file: &mut impl Write, part: &str, value: &Value) -> io::Result<()> {
     let mut line = serde_json::to_string(&(part, value))?;
     line.push('\n');
@@ -115,6 +130,20 @@ mod tests {
             assert_eq!(value.unwrap(), [0.1 + 0.2, 1e-300], "bit for bit, kept or not");
         }
         made
+    }
+
+    #[test]
+    fn one_run_at_a_time_has_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal");
+        let mut first = Journal::open(&path, "one").unwrap();
+        first.note("a", &1).unwrap();
+        let refused = Journal::open(&path, "one").unwrap_err();
+        assert_eq!(refused.kind(), io::ErrorKind::ResourceBusy, "{refused}");
+        first.note("b", &2).unwrap();
+        drop(first);
+        let second = Journal::open(&path, "one").unwrap();
+        assert_eq!(second.parts().collect::<Vec<_>>(), ["a", "b"], "nothing is lost");
     }
 
     #[test]

@@ -87,7 +87,7 @@ fn writes_every_step_as_csv() {
 fn a_renderer_that_cannot_tell_still_shows_the_exact_solution() {
     let vr = Vr::new();
     for renderer in ["--renderer physics", "--max-error 0.004"] {
-        let run = vr.run(&format!("ray 12 12 --size 24 {renderer} --all --csv parts.csv")).succeeded();
+        let run = vr.run(&format!("ray 12 12 --size 24 {renderer} --all --csv parts.csv --force")).succeeded();
         for word in ["cannot list", "begins at", "entry", "tau so far", "exact"] {
             assert!(run.stdout.contains(word), "no {word:?} in\n{}", run.stdout);
         }

@@ -1,5 +1,7 @@
 //! Files that are there already: pictures of vr's are replaced, and nothing else is without `--force`.
 
+use std::process::Output;
+
 use crate::harness::Vr;
 
 const SMALL: &str = "--size 4 --error none";
@@ -75,17 +77,21 @@ fn two_runs_side_by_side_leave_whole_files() {
     let vr = Vr::new();
     let command = "report --phantom fog --phantom-size 8 --size 16 --renderer shearwarp --untimed --cache kept -o r";
     let arguments: Vec<&str> = command.split_whitespace().collect();
-    let mut runs: Vec<_> = (0..2)
+    let runs: Vec<_> = (0..2)
         .map(|_| {
             vr.command(&arguments)
                 .stdout(std::process::Stdio::null())
-                .stderr(std::process::Stdio::null())
+                .stderr(std::process::Stdio::piped())
                 .spawn()
                 .unwrap()
         })
         .collect();
-    for run in &mut runs {
-        assert!(run.wait().unwrap().success());
+    // A run is refused as long as another one writes there.
+    let ended: Vec<Output> = runs.into_iter().map(|run| run.wait_with_output().unwrap()).collect();
+    assert!(ended.iter().any(|run| run.status.success()));
+    for run in ended.iter().filter(|run| !run.status.success()) {
+        let stderr = String::from_utf8_lossy(&run.stderr);
+        assert!(stderr.contains("another run writes there"), "{stderr}");
     }
     let read = |name: &str| std::fs::read_to_string(vr.folder().join("r").join(name)).unwrap();
     serde_json::from_str::<serde_json::Value>(&read("errors.json")).unwrap();

@@ -42,7 +42,7 @@ fn a_mesh_becomes_a_grid_with_an_account() {
     }
     let run = vr.run("convert m.vtu c.nrrd --resample 16,16,16 --to u8 --rescale 0,7").succeeded();
     assert!(run.stdout.contains("16×16×16 u8"), "{}", run.stdout);
-    let run = vr.run("convert m.vtu c.nrrd --resample 4x4x4 --error none --json").succeeded();
+    let run = vr.run("convert m.vtu c.nrrd --force --resample 4x4x4 --error none --json").succeeded();
     assert!(run.json()["resampled"]["picture"].is_null() && !run.stderr.contains("RMSE"), "{}", run.stderr);
     assert!(vr.run("convert a.nrrd d.nrrd --resample 3x3x3 --error full").failed(2).contains("no uniform grid"));
     assert!(vr.run("convert m.vtu c.nrrd --error full").failed(2).contains("--resample"));

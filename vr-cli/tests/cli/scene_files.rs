@@ -7,7 +7,7 @@ use crate::harness::{Vr, test_data};
 fn drawn_the_same(vr: &Vr, flags: &[&str]) -> String {
     let run = |first: &[&str], last: &[&str]| vr.run_with(&[first, flags, last].concat());
     let by_flags = run(&["render"], &["--error", "none", "-o", "flags.png"]);
-    run(&["scene"], &["-o", "s.toml"]).succeeded();
+    run(&["scene"], &["-o", "s.toml", "--force"]).succeeded();
     let by_scene = vr.run("render --scene s.toml --error none -o scene.png");
     // An error bound may turn out not to be proven.
     assert!(matches!(by_flags.code, 0 | 3), "{flags:?}: {}", by_flags.stderr);

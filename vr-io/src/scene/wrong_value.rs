@@ -11,6 +11,10 @@ use super::key_help::{Absent, KeyHelp, sections};
 /// Returns a message about the value at a place in a text, of what serde says about it; as it is where the text is no TOML.
 pub(super) fn explained(message: &str, text: &str, at: usize) -> String {
     let message = message.replace('\n', " ");
+    // A check of the section's own says all of it.
+    if message.contains(": found ") {
+        return message;
+    }
     let Ok(document) = DeTable::parse(text) else { return message };
     let mut found = Found { path: Vec::new(), span: None };
     find_in_table(document.get_ref(), at, &mut found);
