@@ -179,7 +179,6 @@ fn what_cannot_be_drawn_is_said() {
         Err(RenderError::Unsupported(Unsupported { renderer: "splat", what: feature, .. })) => feature,
         other => panic!("{:?}", other.map(|_| "prepared")),
     };
-    let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..scene.clone() };
     let voxels = Splatter { classification: Classification::Pre, ..Splatter::default() };
     let smooth = scene.with_filter(Filter::BSpline);
     let cones = Splatter { kernel: SplatKernel::new(Shape::Cone), ..Splatter::default() };
@@ -206,11 +205,6 @@ fn what_cannot_be_drawn_is_said() {
     let axis = Splatter { buffers: Buffers::Axis, ..Splatter::default() };
     assert!(refused(axis, &analytic).contains("no slope"));
     assert!(refused(voxels, &analytic).contains("kink"));
-    let shaded_points = Scene { shading: shaded.shading.clone(), ..cloud.clone() };
-    assert!(refused(Splatter::default(), &shaded_points).contains("points"));
-    let modulated = Shading { gradient_opacity: vec![(0.0, 0.0), (1.0, 1.0)], ..Shading::default() };
-    let modulated = Scene { shading: Some(Arc::new(modulated)), ..cloud };
-    assert!(refused(Splatter::default(), &modulated).contains("gradient"));
 }
 
 #[test]
