@@ -26,8 +26,11 @@ impl Journal {
     /// A file that cannot be written, or that another run writes to meanwhile ([`io::ErrorKind::ResourceBusy`]).
     pub fn open(path: &Path, study: &str) -> io::Result<Self> {
         // Hold the file that is there until there is another one in its place: two runs would undo each other's work.
-        let before = File::open(path).ok();
-        before.as_ref().map_or(Ok(()), hold)?;
+        let before = File::options().create(true).append(true).open(path)?;
+        hold(&before)?;
+        if !is_at(&before, path) {
+            return Err(busy());
+        }
         let mut done = BTreeMap::new();
         if let Ok(text) = fs::read_to_string(path) {
             let mut lines = text.lines().map_while(|line| serde_json::from_str::<(String, Value)>(line).ok());
@@ -100,11 +103,29 @@ const STUDY: &str = "study";
 /// Locks a file for as long as it is open. Where a file system has no locks, runs are not told apart.
 fn hold(file: &File) -> io::Result<()> {
     match file.try_lock() {
-        Err(TryLockError::WouldBlock) => {
-            let message = "another run writes there; wait for its end, or name another folder";
-            Err(io::Error::new(io::ErrorKind::ResourceBusy, message))
-        }
+        Err(TryLockError::WouldBlock) => Err(busy()),
         Ok(()) | Err(TryLockError::Error(_)) => Ok(()),
+    }
+}
+
+fn busy() -> io::Error {
+    let message = "another run writes there; wait for its end, or name another folder";
+    io::Error::new(io::ErrorKind::ResourceBusy, message)
+}
+
+/// True if a file is still the one at its path: another run may have put one in its place before the lock was had.
+fn is_at(file: &File, path: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let identity = |place: io::Result<fs::Metadata>| place.map(|place| (place.dev(), place.ino())).ok();
+        identity(file.metadata()) == identity(fs::metadata(path))
+    }
+    #[cfg(not(unix))]
+    {
+        // Files that are open are not replaced there.
+        let _ = (file, path);
+        true
     }
 }
 
