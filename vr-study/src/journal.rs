@@ -181,10 +181,11 @@ mod tests {
         let mut journal = Journal::open(&path, "other").unwrap();
         journal.note("a", &7).unwrap();
         journal.note("b", &8).unwrap();
+        drop(journal);
         let journal = Journal::open(&path, "other").unwrap();
         assert_eq!((journal.noted("a"), journal.noted::<String>("b"), journal.noted::<u8>("c")), (Some(7), None, None));
         assert_eq!(journal.parts().collect::<Vec<_>>(), ["a", "b"]);
-        Journal::open(&path, "other").unwrap().finish().unwrap();
+        journal.finish().unwrap();
         assert!(!path.exists());
     }
 }
