@@ -146,8 +146,18 @@ impl FieldError {
 
 /// Text from a file, fit for one line of a terminal: control characters escaped, and not too long.
 pub(crate) fn shown(text: &str) -> String {
+    clipped(text, char::escape_debug)
+}
+
+/// The same of a text that has quotes of its own, such as a value in a scene file: they stay as they are.
+pub(crate) fn shown_with_quotes(text: &str) -> String {
+    // An escape is a backslash before the character.
+    clipped(text, |c| c.escape_debug().skip(usize::from(matches!(c, '"' | '\'' | '\\'))))
+}
+
+fn clipped<E: Iterator<Item = char>>(text: &str, escape: impl Fn(char) -> E) -> String {
     const MAX_CHARS: usize = 60;
-    let mut s: String = text.chars().take(MAX_CHARS).flat_map(char::escape_debug).collect();
+    let mut s: String = text.chars().take(MAX_CHARS).flat_map(escape).collect();
     if text.chars().nth(MAX_CHARS).is_some() {
         s.push('…');
     }

@@ -50,16 +50,14 @@ pub fn is_own_picture(path: impl AsRef<Path>) -> bool {
         return contains(&head, &[PNG_KEY.as_bytes(), b"\0\0\0\0\0vr "].concat());
     }
     if head.starts_with(b"GIF8") {
-        return contains(&head, &[&GIF_COMMENT[..], b"vr "].concat());
+        // A comment: the extension, its label, the length of the text, which another version may have longer, and the text.
+        return head.windows(6).any(|w| w.starts_with(&[0x21, 0xfe]) && w.ends_with(b"vr "));
     }
     if head.starts_with(b"RIFF") {
         return contains(&tail, &[XMP[0].as_bytes(), b"vr "].concat());
     }
     head.starts_with(&exr::meta::magic_number::BYTES) && is_own_exr(path)
 }
-
-/// Beginning of a comment in a GIF that names the maker: the extension, its label, and the length of the text.
-const GIF_COMMENT: [u8; 3] = [0x21, 0xfe, MAKER.len() as u8];
 
 fn is_own_exr(path: &Path) -> bool {
     // The record among the attributes may be long.
@@ -106,6 +104,14 @@ mod tests {
             write_animation(at(name), &[at("a.png"), at("a.png")], &options, &Control::default()).unwrap();
             assert!(is_own_picture(at(name)), "{name}");
         }
+    }
+
+    #[test]
+    fn other_versions_are_known() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.gif");
+        write_bytes(&path, b"GIF89a\x01\0\x01\0\0\0\0\x21\xfe\x0avr 10.20.3\0;").unwrap();
+        assert!(is_own_picture(&path));
     }
 
     #[test]

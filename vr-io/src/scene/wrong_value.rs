@@ -4,7 +4,7 @@
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::error::shown;
+use crate::error::{shown, shown_with_quotes};
 
 use super::key_help::{Absent, KeyHelp, sections};
 
@@ -20,7 +20,7 @@ pub(super) fn explained(message: &str, text: &str, at: usize) -> String {
     find_in_table(document.get_ref(), at, &mut found);
     let path = found.path.concat();
     let help = help_of(&found.path);
-    let value = found.span.and_then(|span| text.get(span)).map(as_written);
+    let value = found.span.and_then(|span| text.get(span)).map(shown_with_quotes);
     let mut explained = match (missing_field(&message), expected(&message)) {
         (Some(field), _) => format!("{path}: no {field}, which must be there"),
         (None, Some(expected)) => {
@@ -95,11 +95,6 @@ fn help_of(path: &[String]) -> Option<KeyHelp> {
     let (section, key) = (path.first()?, path.get(1)?.trim_start_matches('.'));
     let (.., keys) = sections(None).into_iter().find(|(name, ..)| name == section)?;
     keys.into_iter().find(|help| help.key == key)
-}
-
-/// Returns a value as its file has it, but for control characters, and not too long.
-fn as_written(value: &str) -> String {
-    shown(value).replace("\\\"", "\"").replace("\\'", "'").replace("\\\\", "\\")
 }
 
 fn missing_field(message: &str) -> Option<String> {

@@ -255,11 +255,8 @@ fn kind_of(path: &Path) -> Result<Kind, FileError> {
 
 fn open(path: &Path, kind: Kind) -> Result<ImageReader<BufReader<File>>, FileError> {
     let mut file = regular_file::open(path).map_err(|e| FileError::new(path, e))?;
-    if matches!(kind, Kind::Tiff)
-        && let Some(fault) = first_directory::fault(&mut file).map_err(|e| FileError::new(path, e))?
-    {
-        let source = io::Error::other(fault);
-        return Err(FileError::new(path, FileErrorKind::Damaged { encoding: kind.name(), source }));
+    if matches!(kind, Kind::Tiff) {
+        first_directory::check(path, &mut file)?;
     }
     let mut reader = ImageReader::new(BufReader::new(file));
     reader.set_format(match kind {

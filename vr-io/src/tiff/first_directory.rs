@@ -1,6 +1,9 @@
 //! Check of a file's first directory, which the decoder reads before it can be told how much memory it may take.
 
 use std::io::{self, Read, Seek, SeekFrom};
+use std::path::Path;
+
+use crate::error::{FileError, FileErrorKind};
 
 /// Returns what is wrong with a table in the first directory that the file is too short to hold. What is no TIFF is left to the decoder. The
 /// file is at its begin afterwards.
@@ -13,6 +16,18 @@ pub(crate) fn fault(file: &mut (impl Read + Seek)) -> io::Result<Option<String>>
     file.rewind()?;
     let excess = longest.filter(|&bytes| bytes > u128::from(length));
     Ok(excess.map(|bytes| format!("its directory names a table of {bytes} bytes, more than the file has")))
+}
+
+/// Refuses a volume's file whose first directory has such a fault.
+///
+/// # Errors
+/// A damaged file, or errors of reading.
+pub(crate) fn check(path: &Path, file: &mut (impl Read + Seek)) -> Result<(), FileError> {
+    let in_file = |kind: FileErrorKind| FileError::new(path, kind);
+    match fault(file).map_err(|e| in_file(e.into()))? {
+        Some(fault) => Err(in_file(FileErrorKind::Damaged { encoding: "TIFF", source: io::Error::other(fault) })),
+        None => Ok(()),
+    }
 }
 
 /// Returns the bytes of the longest table that the first directory names; `None` where there is no directory.

@@ -44,9 +44,7 @@ pub(crate) type TiffFile = Decoder<BufReader<File>>;
 /// Opens a file at its first page; `page_bytes` are those of a page to decode, or 0 where headers alone are read.
 pub(crate) fn open(path: &Path, page_bytes: usize) -> Result<TiffFile, FileError> {
     let mut file = regular_file::open(path).map_err(|e| FileError::new(path, e))?;
-    if let Some(fault) = first_directory::fault(&mut file).map_err(|e| FileError::new(path, e))? {
-        return Err(FileError::new(path, FileErrorKind::Damaged { encoding: "TIFF", source: io::Error::other(fault) }));
-    }
+    first_directory::check(path, &mut file)?;
     let length = file.metadata().map_err(|e| FileError::new(path, e))?.len();
     let decoder = Decoder::new(BufReader::new(file)).map_err(|e| refuse(path, e))?;
     let mut limits = Limits::default();
