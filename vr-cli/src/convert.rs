@@ -55,8 +55,7 @@ pub fn run(args: &ConvertArgs, console: Console, control: &Control) -> Result<()
     options.levels = levels(&args.levels, output, &volume, info.as_ref())?;
     let files = vr_io::volume_files(output, &volume).map_err(wrong_place)?;
     let inputs = Inputs::new("a file that is read", info.into_iter().flat_map(|info| info.files));
-    files.iter().try_for_each(|place| inputs.protect("OUT", place))?;
-    files.iter().try_for_each(|place| output_file::check_replaced(place, args.replace))?;
+    files.iter().try_for_each(|place| inputs.permit("OUT", place, args.replace))?;
     let written = vr_io::write_volume(output, &volume, &options).map_err(Failure::failed)?;
     for note in said.iter().chain(&written.notes) {
         console.note(note);

@@ -3,7 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::args::ReplaceArgs;
 use crate::failure::Failure;
+use crate::output_file::check_replaced;
 
 /// Files that a command reads, by their identity: a link, a hard link or another spelling of the name is the same file.
 #[derive(Debug)]
@@ -35,6 +37,15 @@ impl Inputs {
             ))),
             None => Ok(()),
         }
+    }
+
+    /// Refuses to write where an input is, and over a file that is not to be replaced.
+    ///
+    /// # Errors
+    /// Errors of [`Self::protect`] and [`check_replaced`].
+    pub fn permit(&self, flag: &str, place: &Path, replace: ReplaceArgs) -> Result<(), Failure> {
+        self.protect(flag, place)?;
+        check_replaced(place, replace)
     }
 }
 

@@ -42,8 +42,7 @@ pub fn run(args: &RerunArgs, console: Console, control: &Control) -> Result<(), 
     let setup = Setup::of_file(&file, console)?;
     if let Some(place) = &args.output {
         let inputs = setup.inputs.iter().cloned().chain([picture.clone()]);
-        Inputs::new("a file that is read", inputs).protect("--output", place)?;
-        output_file::check_replaced(place, args.replace)?;
+        Inputs::new("a file that is read", inputs).permit("--output", place, args.replace)?;
     }
     let strangers = strangers(args, &found, &setup)?;
     if let (Some(stranger), false) = (strangers.first(), args.anyway) {

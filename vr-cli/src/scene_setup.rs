@@ -22,7 +22,7 @@ use crate::failure::Failure;
 use crate::inputs::Inputs;
 use crate::overrides::Overrides;
 use crate::renderers::StatedRenderer;
-use crate::{number, output_file, renderers};
+use crate::{number, renderers};
 
 /// Memory that a pixel takes on its way into a file: light, depth, and the bytes of a PNG.
 const BYTES_PER_PIXEL: u64 = 40;
@@ -319,17 +319,14 @@ impl Setup {
     /// Refuses places to write where one of the scene's own files is, or one that is not to be replaced; each comes with its flag.
     ///
     /// # Errors
-    /// Errors of [`Inputs::protect`] and [`output_file::check_replaced`].
+    /// Errors of [`Inputs::permit`].
     pub fn protect<'a>(
         &self,
         places: impl IntoIterator<Item = (&'a str, &'a Path)>,
         replace: ReplaceArgs,
     ) -> Result<(), Failure> {
         let inputs = Inputs::new("a file that is read", self.inputs.iter().cloned());
-        places.into_iter().try_for_each(|(flag, place)| {
-            inputs.protect(flag, place)?;
-            output_file::check_replaced(place, replace)
-        })
+        places.into_iter().try_for_each(|(flag, place)| inputs.permit(flag, place, replace))
     }
 
     /// Returns the failure of a picture that cannot be drawn.

@@ -40,10 +40,7 @@ pub fn run(args: &TfArgs, console: Console) -> Result<(), Failure> {
     let has_volume = args.volume.path.is_some() || args.volume.phantom.is_some();
     let mut found = if has_volume { with_volume(&source, args)? } else { alone(&source, args)? };
     let inputs = Inputs::new("a file that is read", found.files.drain(..));
-    for path in &args.outputs {
-        inputs.protect("-o", path)?;
-        output_file::check_replaced(path, args.replace)?;
-    }
+    args.outputs.iter().try_for_each(|path| inputs.permit("-o", path, args.replace))?;
     for note in &found.notes {
         console.note(note);
     }

@@ -14,7 +14,6 @@ use crate::console::Console;
 use crate::error_bound::ErrorBound;
 use crate::failure::Failure;
 use crate::inputs::Inputs;
-use crate::output_file;
 use crate::progress::{FrameBar, under_bar};
 use crate::scene_setup::{Configured, Setup};
 
@@ -66,10 +65,7 @@ impl Film<'_> {
         self.check_shots()?;
         let inputs = Inputs::new("a file that is read", self.setup.inputs.iter().cloned());
         let replace = ReplaceArgs { force: self.args.force };
-        for place in &self.places.animations {
-            inputs.protect("--output", place)?;
-            output_file::check_replaced(place, replace)?;
-        }
+        self.places.animations.iter().try_for_each(|place| inputs.permit("--output", place, replace))?;
         let names = vr_io::numbered_names(&self.places.frames.pattern, self.shots.len()).map_err(Failure::usage)?;
         let mut frames = names.iter().map(|name| self.places.frames.folder.join(name));
         frames.try_for_each(|place| inputs.protect("--output", &place))?;

@@ -30,8 +30,7 @@ pub fn run(args: &DiffArgs, console: Console) -> Result<(), Failure> {
     let inputs = Inputs::new("a picture to be compared", [args.reference.clone(), args.picture.clone()]);
     for path in &args.outputs {
         output_file::check(path, &["png", "exr"])?;
-        inputs.protect("--output", path)?;
-        output_file::check_replaced(path, args.replace)?;
+        inputs.permit("--output", path, args.replace)?;
     }
     if !args.background.iter().all(|c| c.is_finite()) {
         return Err(Failure::usage(format!("--background: found {:?}; must be finite", args.background)));

@@ -16,7 +16,7 @@ use crate::info::label_table::LabelTable;
 use crate::info::lines::{COLUMNS, Lines};
 use crate::info::slices;
 use crate::inputs::Inputs;
-use crate::{number, output_file};
+use crate::number;
 
 /// Number of bins of the histogram in a picture.
 const FINE: usize = 256;
@@ -38,8 +38,7 @@ pub fn run(
     let suggest = |range| Preset::suggest(range, uniform.voxel_type().is_integer());
     if let Some(place) = &args.output {
         let files = info.iter().flat_map(|file| file.files.iter().cloned());
-        Inputs::new("a file that is read", files).protect("--output", place)?;
-        output_file::check_replaced(place, args.replace)?;
+        Inputs::new("a file that is read", files).permit("--output", place, args.replace)?;
         let window = info.as_ref().and_then(|file| file.window);
         let fine = Histogram::of(uniform, FINE);
         let picture = slices::draw(uniform, patient, window, fine.as_ref());

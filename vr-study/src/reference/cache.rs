@@ -1,8 +1,9 @@
 //! Reference pixels on disk, so that a second report does not solve them again.
 
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
+use std::{fmt, fs};
 
 use sha2::{Digest, Sha256};
 use vr_core::{Control, Model, RenderError, Scene, View};
@@ -11,14 +12,24 @@ use vr_physics::{Certainty, DEFAULT_TOLERANCE, Pixel, Reference, Solution};
 use super::ReferencePixels;
 use super::fingerprint::fingerprint;
 
+/// Takes the reason why pixels could not be kept.
+type Warning = dyn Fn(&str) + Send + Sync;
+
 /// Folder of reference pixels, by the hash of all that they depend on. Without a folder, nothing is kept.
 ///
 /// References of scenes that scatter are not kept: the file format has no place for standard errors.
 ///
 /// A file that is damaged, or that disagrees with a few of its pixels solved again, is not believed: it is solved anew, and replaced.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct ReferenceCache {
     folder: Option<PathBuf>,
+    warn: Option<Arc<Warning>>,
+}
+
+impl fmt::Debug for ReferenceCache {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("ReferenceCache").field("folder", &self.folder).finish_non_exhaustive()
+    }
 }
 
 const MAGIC: &[u8; 8] = b"VREXACT1";
@@ -36,13 +47,19 @@ impl ReferenceCache {
 
     /// Returns a cache in a folder, which is made when first written to.
     pub fn in_folder(folder: PathBuf) -> Self {
-        Self { folder: Some(folder) }
+        Self { folder: Some(folder), warn: None }
+    }
+
+    /// Calls back with the reason, each time that pixels could not be kept.
+    #[must_use]
+    pub fn with_warning(self, warn: impl Fn(&str) + Send + Sync + 'static) -> Self {
+        Self { warn: Some(Arc::new(warn)), ..self }
     }
 
     /// Returns the pixels of a view, solved before or now.
     ///
     /// # Errors
-    /// Same as for [`ReferencePixels::solve`]. A folder that cannot be read or written is no error; it only costs time.
+    /// Same as for [`ReferencePixels::solve`]. A folder that cannot be read or written is no error; it only costs time ([`Self::with_warning`]).
     pub fn solve(
         &self,
         (scene, view): (&Scene, &View),
@@ -69,7 +86,12 @@ impl ReferenceCache {
         }
         let solution = Reference::default().solve_pixels(scene, view, model, &pixels, control)?;
         // A full disk, or none to write to, is no reason to fail: the solution is there.
-        let _ = fs::create_dir_all(folder).map(|()| vr_io::write_bytes(&path, &encode(&key, &solution.pixels)));
+        let made = fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()));
+        let kept =
+            made.and_then(|()| vr_io::write_bytes(&path, &encode(&key, &solution.pixels)).map_err(|e| e.to_string()));
+        if let (Err(reason), Some(warn)) = (kept, &self.warn) {
+            warn(&reason);
+        }
         Ok(ReferencePixels::new(pixels, &solution, start))
     }
 }
@@ -132,6 +154,23 @@ mod tests {
 
     fn files(folder: &Path) -> Vec<PathBuf> {
         fs::read_dir(folder).unwrap().map(|f| f.unwrap().path()).collect()
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_written_is_told() {
+        use std::sync::Mutex;
+        let folder = tempfile::tempdir().unwrap();
+        let blocked = folder.path().join("file");
+        fs::write(&blocked, "").unwrap();
+        let told = Arc::new(Mutex::new(Vec::new()));
+        let list = Arc::clone(&told);
+        let cache = ReferenceCache::in_folder(blocked.join("kept"))
+            .with_warning(move |reason| list.lock().unwrap().push(reason.to_owned()));
+        let subject = phantom_subject("fog", 4, [8, 8]).unwrap();
+        let pixels = vec![[0, 0], [4, 4]];
+        let solved = cache.solve((&subject.scene, &subject.view), &Model::Canonical, pixels, &Control::default());
+        assert!(solved.is_ok(), "it costs time alone");
+        assert!(told.lock().unwrap()[0].contains("kept"), "{told:?}");
     }
 
     #[test]
