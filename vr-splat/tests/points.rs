@@ -1,6 +1,9 @@
 //! Scattered points against the reference and against the renderer's own model.
 
+mod point_settings;
+
 use glam::DVec3;
+use point_settings::renderers;
 use vr_core::Classification;
 use vr_core::phantom::{point_transfer_function, points_by_name};
 use vr_core::*;
@@ -24,17 +27,6 @@ fn some(points: &[([f64; 3], f32, f32)], kernel: PointKernel) -> Volume {
 fn linear(volume: Volume, max: f64, unit: f64) -> Scene {
     let points = [0.0, max].map(|v| ControlPoint::new(v, [0.9, 0.6, 0.3], v / max)).to_vec();
     Scene::new(volume, TransferFunction::new(points, OpacityRule::Extinction, unit).unwrap())
-}
-
-fn renderers() -> Vec<Splatter> {
-    let base = Splatter { termination: 1.0, ..Splatter::default() };
-    vec![
-        base.clone(),
-        Splatter { slice_spacing: 0.3, ..base.clone() },
-        Splatter { classification: Classification::Pre, ..base.clone() },
-        Splatter { buffers: Buffers::Samples, ..base.clone() },
-        Splatter { low_pass: 1.0, ..base },
-    ]
 }
 
 #[test]

@@ -1,12 +1,15 @@
 //! Shading of scattered points, and opacity by the gradient of their sum, against the reference and against the renderer's own model.
 
+mod point_settings;
+
 use std::sync::Arc;
 
 use glam::DVec3;
+use point_settings::renderers;
 use vr_core::Classification;
 use vr_core::*;
 use vr_physics::check::pictures::*;
-use vr_splat::{Buffers, Splatter};
+use vr_splat::Splatter;
 
 const VIEWS: [(f64, f64, Option<f64>); 2] = [(33.0, 21.0, None), (-60.0, 50.0, Some(35.0))];
 
@@ -52,17 +55,6 @@ fn looks(volume: &Volume) -> Vec<(&'static str, Scene)> {
         ("emission, factors", Scene { transfer: glowing, ..shaded(following) }),
         ("rows", Scene { transfer: rows.clone().into(), ..plain.clone() }),
         ("shaded rows", Scene { transfer: rows.into(), ..shaded(Shading::default()) }),
-    ]
-}
-
-fn renderers() -> Vec<Splatter> {
-    let base = Splatter { termination: 1.0, ..Splatter::default() };
-    vec![
-        base.clone(),
-        Splatter { slice_spacing: 0.3, ..base.clone() },
-        Splatter { classification: Classification::Pre, ..base.clone() },
-        Splatter { buffers: Buffers::Samples, ..base.clone() },
-        Splatter { low_pass: 1.0, ..base },
     ]
 }
 

@@ -55,6 +55,24 @@ fn trace(
     (values, counts)
 }
 
+/// Checks that no bit of a picture depends on the level, nor on which rays are traced together.
+fn same_at_every_level_and_alone(
+    engine: &PacketEngine,
+    scene: &Scene,
+    view: &View,
+    values: &[RaySample],
+) -> Result<(), TestCaseError> {
+    let want = bits(values);
+    let mut other = engine.clone();
+    for level in levels() {
+        other.level = level;
+        prop_assert_eq!(&bits(&trace(&other, scene, view, &row_by_row(view), None).0), &want, "{:?}", level);
+    }
+    let one = |s: &ImageSample| bits(&trace(engine, scene, view, &[*s], None).0)[0];
+    prop_assert_eq!(&row_by_row(view).iter().map(one).collect::<Vec<_>>(), &want);
+    Ok(())
+}
+
 /// Largest difference of the engines: positions differ by some units in the last place of f32 (10⁻⁶ of a cell here), and the steepest
 /// ramps turn that into ten times as much opacity at each of some dozen samples.
 const TWO_ENGINES: f32 = 3e-5;
@@ -93,15 +111,7 @@ proptest! {
         // Those that meet nothing visible need not be begun.
         prop_assert!(counts.rays <= plain.stats.counts.rays);
         same(&values, &plain, TWO_WALKS)?;
-        // No bit depends on the level or on company.
-        let want = bits(&values);
-        let mut other = engine.clone();
-        for level in levels() {
-            other.level = level;
-            prop_assert_eq!(&bits(&trace(&other, &scene, &view, &row_by_row(&view), None).0), &want, "{:?}", level);
-        }
-        let one = |s: &ImageSample| bits(&trace(&engine, &scene, &view, &[*s], None).0)[0];
-        prop_assert_eq!(&row_by_row(&view).iter().map(one).collect::<Vec<_>>(), &want);
+        same_at_every_level_and_alone(&engine, &scene, &view, &values)?;
     }
 
     #[test]
@@ -139,15 +149,7 @@ proptest! {
             _ => TWO_ENGINES,
         };
         same(&values, &plain, tolerance)?;
-        // No bit depends on the level or on company.
-        let want = bits(&values);
-        let mut other = engine.clone();
-        for level in levels() {
-            other.level = level;
-            prop_assert_eq!(&bits(&trace(&other, &scene, &view, &row_by_row(&view), None).0), &want, "{:?}", level);
-        }
-        let one = |s: &ImageSample| bits(&trace(&engine, &scene, &view, &[*s], None).0)[0];
-        prop_assert_eq!(&row_by_row(&view).iter().map(one).collect::<Vec<_>>(), &want);
+        same_at_every_level_and_alone(&engine, &scene, &view, &values)?;
     }
 
     #[test]
