@@ -253,6 +253,7 @@ impl PreparedSplatter {
             operator,
             buffers: renderer.buffers,
             distance: sheets.distance as f32,
+            per_distance: (1.0 / sheets.distance) as f32,
             sheets: sheets.count,
             ring: sheets.ring,
             layers,

@@ -91,7 +91,7 @@ impl Tile<'_> {
         number: usize,
         at: &Splat,
         optics: [f32; 4],
-        [first, last]: [u32; 2],
+        sheets: [u32; 2],
     ) {
         let painter = self.painter;
         let block = &self.blocks[number];
@@ -129,11 +129,13 @@ impl Tile<'_> {
             per_half: chord.per_half * passing.speed,
             gradients,
         };
+        // Sheets that any of the chords goes through: at the rim of a kernel these are fewer than the splat's. `as` saturates.
+        let [front, back] = [smallest(enter), -smallest(-leave)].map(|depth| (depth * painter.per_distance) as u32);
+        let (first, last) = (front.clamp(sheets[0], sheets[1]), back.clamp(sheets[0], sheets[1]));
         // Sections from sheet to sheet: differences of integrals up to their faces, half the whole chord's before it and behind it.
         let (from_start, to_end) = (chords.up_to_part(simd, -one), chords.up_to_part(simd, one));
         let mut start = splat(simd, first as f32 * painter.distance).max(near).min(far);
         let mut before = if start.simd_gt(enter).any_true() { chords.up_to(simd, start) } else { from_start };
-        // Sheets that these chords miss are not left out: a branch that depends on chords costs more than a section of nothing.
         for sheet in first..=last {
             let end = splat(simd, (sheet + 1) as f32 * painter.distance).max(near).min(far);
             let is_end = sheet == last && !leave.simd_gt(end).any_true();
@@ -148,4 +150,13 @@ impl Tile<'_> {
             (before, start) = (after, end);
         }
     }
+}
+
+/// The smallest of sixteen numbers.
+#[inline(always)]
+fn smallest<S: Simd>(all: f32x16<S>) -> f32 {
+    let (low, high) = all.split();
+    let (low, high) = low.min(high).split();
+    let four = low.min(high).to_array();
+    four[0].min(four[1]).min(four[2].min(four[3]))
 }

@@ -26,6 +26,8 @@ pub(crate) struct Painter<'a> {
     pub(crate) buffers: Buffers,
     /// Distance between sheets that are parallel to the image, in the view's units.
     pub(crate) distance: f32,
+    /// 1 over that.
+    pub(crate) per_distance: f32,
     /// Number of these sheets.
     pub(crate) sheets: u32,
     /// Number of them that are held at once: a power of two, and at least as many as one splat is in.
