@@ -13,7 +13,7 @@ fn few(kinds: &[Kind]) -> Effort {
 
 fn errors_of(kinds: &[Kind]) {
     // Slices are as far apart as texels are wide, or half of that. The nearest entry of tables, and the levels of codes, are below.
-    let falling = Falling { ratio: 5.0, floor: 3e-4, ..Falling::new("texel") };
+    let falling = Falling { ratio: 4.0, floor: 3e-4, ..Falling::new("texel") };
     for table in errors_fall(&ShearWarp::default(), &falling, &few(kinds)).unwrap_or_else(|e| panic!("{e}")) {
         println!("{table}");
     }
