@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::parallel::collect;
+use crate::parallel::{collect, join};
 
 /// A balanced tree of boxes around items that are numbered from 0.
 ///
@@ -252,6 +252,6 @@ fn arrange(items: &mut [Item], count: usize, levels: u32, level: u32, node: usiz
         go(left, 2 * node);
         go(right, 2 * node + 1);
     } else {
-        rayon::join(|| go(left, 2 * node), || go(right, 2 * node + 1));
+        join(|| go(left, 2 * node), || go(right, 2 * node + 1));
     }
 }

@@ -1,5 +1,6 @@
 //! Errors of the parts of a scene, and of a render.
 
+use crate::cancel::Cancelled;
 use crate::unsupported::Unsupported;
 
 /// An error of a uniform grid.
@@ -259,6 +260,12 @@ pub enum RenderError {
         /// Largest size that is allowed.
         limit: u64,
     },
+}
+
+impl From<Cancelled> for RenderError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 /// An option that a renderer does not have, or a value that it does not take.

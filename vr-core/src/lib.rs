@@ -43,6 +43,7 @@ mod any_grid;
 pub mod bound;
 mod box_tree;
 mod camera;
+pub mod cancel;
 pub mod cells;
 mod central_differences;
 mod classification;

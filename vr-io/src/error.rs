@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use vr_core::amr::AmrError;
+use vr_core::cancel::CancelToken;
 use vr_core::cells::CellError;
 use vr_core::labels::LabelError;
 use vr_core::memory::MemoryError;
@@ -24,7 +25,9 @@ pub struct FileError {
 
 impl FileError {
     pub(crate) fn new(path: &Path, kind: impl Into<FileErrorKind>) -> Self {
-        Self { path: path.into(), kind: kind.into() }
+        // Once the work is cancelled, that is the reason of any fault, whatever a decoder took the end of its stream for.
+        let kind = if CancelToken::current().is_cancelled() { FileErrorKind::Cancelled } else { kind.into() };
+        Self { path: path.into(), kind }
     }
 }
 
@@ -32,6 +35,9 @@ impl FileError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileErrorKind {
+    /// The caller cancelled the work ([`vr_core::Control::cancellable`]).
+    #[error("cancelled while it was read")]
+    Cancelled,
     /// The file cannot be opened or read.
     #[error(transparent)]
     Io(#[from] io::Error),

@@ -286,6 +286,7 @@ mod plain_hdf5;
 mod png;
 mod png_texts;
 mod points;
+mod polled;
 mod pvm;
 mod raw;
 mod read;

@@ -2,6 +2,7 @@
 
 use std::io;
 
+use vr_core::cancel::Cancelled;
 use vr_core::{GridError, OptionError, RenderError};
 use vr_io::WriteError;
 
@@ -26,4 +27,10 @@ pub enum StudyError {
     /// Failure of a plot.
     #[error("plot: {0}")]
     Plot(String),
+}
+
+impl From<Cancelled> for StudyError {
+    fn from(cancelled: Cancelled) -> Self {
+        RenderError::from(cancelled).into()
+    }
 }
