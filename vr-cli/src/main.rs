@@ -109,6 +109,6 @@ fn run() -> Result<(), Failure> {
         Command::Physics(args) => physics::run(args, console, &control),
         Command::Help(args) => help::run(args, Cli::command()),
     });
-    let done = done.unwrap_or_else(|cancelled| Err(Failure::failed(cancelled)));
+    let done = done.unwrap_or_else(|stopped| Err(Failure::failed(stopped)));
     done.map_err(|failure| if control.is_cancelled() { failure.cancelled() } else { failure })
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use vr_core::cancel::catch_cancelled;
+use vr_core::cancel::catch_stopped;
 use vr_core::{Control, Options, RenderError};
 use vr_io::AnnotationsSection;
 use vr_study::StudyError;
@@ -79,7 +79,7 @@ pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(),
     };
     let measured = under_bar(console, control, "measuring", |progress| {
         // Cancelled anywhere, the journal has what was done.
-        catch_cancelled(|| run.run(suite, (control, &|share| progress.report(share))))
+        catch_stopped(|| run.run(suite, (control, &|share| progress.report(share))))
     });
     let report = measured.map_err(|e| match (e, &setup) {
         (StudyError::Render(RenderError::Cancelled), _) => {

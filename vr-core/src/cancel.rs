@@ -1,17 +1,18 @@
-//! Cancellation of work that is handed no control: reading and decoding files, and deriving structures from a volume.
+//! Early ends of work that is handed no control: reading and decoding files, and deriving structures from a volume.
 //!
 //! [`Control::cancellable`](crate::Control::cancellable) makes a control's cancel flag the current one of the threads that its work runs on.
 //! Readers ask for it with each block and end with the error [`Cancelled`]. Work that cannot fail (the coefficients of a prefilter, a tree of
-//! boxes) asks for it with each part and unwinds to `cancellable`, as a panic would but without a message: all of it that is under way is
-//! dropped, and what is kept for later ([`Derived`](crate::Derived)) is made anew when it is asked for again. Outside of `cancellable`, no
-//! flag is current and nothing unwinds.
+//! boxes) asks for it with each part, and for memory before it allocates any ([`claim`]); it unwinds to `cancellable` with a [`Stopped`], as a
+//! panic would but without a message. All of it that is under way is dropped, and what is kept for later ([`Derived`](crate::Derived)) is made
+//! anew when it is asked for again. Outside of `cancellable`, no flag is current and nothing unwinds.
 
-use std::any::Any;
 use std::cell::RefCell;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::memory::{self, MemoryError};
 
 thread_local! {
     static CURRENT: RefCell<CancelToken> = const { RefCell::new(CancelToken(None)) };
@@ -26,6 +27,24 @@ impl From<Cancelled> for io::Error {
     fn from(cancelled: Cancelled) -> Self {
         // Not `Interrupted`, upon which `Read::read_to_end` and its like try again.
         Self::other(cancelled)
+    }
+}
+
+/// The reason why work that cannot fail has ended early.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Stopped {
+    /// The caller set the cancel flag.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// Too little memory for what was to be derived.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
+}
+
+impl Stopped {
+    /// Unwinds to the nearest [`catch_stopped`].
+    fn unwind(self) -> ! {
+        resume_unwind(Box::new(self))
     }
 }
 
@@ -59,7 +78,7 @@ impl CancelToken {
     /// Unwinds to [`Control::cancellable`](crate::Control::cancellable) if the work is cancelled.
     pub fn poll(&self) {
         if self.is_cancelled() {
-            resume_unwind(Box::new(Cancelled));
+            Stopped::from(Cancelled).unwind();
         }
     }
 
@@ -83,29 +102,27 @@ pub fn poll() {
     CURRENT.with_borrow(CancelToken::poll);
 }
 
-/// Runs work and gives its value, or an error where it unwinds because it is cancelled: for callers who have more to say about that, or
+/// Asks for memory on behalf of work that cannot fail; unwinds to [`Control::cancellable`](crate::Control::cancellable) if there is too
+/// little. Outside of it, the work goes on as if no meter were set.
+pub fn claim(what: &str, bytes: u64) {
+    if CancelToken::current().0.is_some()
+        && let Err(refused) = memory::check(what, bytes)
+    {
+        Stopped::from(refused).unwind();
+    }
+}
+
+/// Runs work and gives its value, or an error where it unwinds because it has to end early: for callers who have more to say about that, or
 /// something to put in order. A panic goes on.
 ///
 /// # Errors
-/// Those of the work, and [`Cancelled`].
-pub fn catch_cancelled<T, E: From<Cancelled>>(work: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
+/// Those of the work, and [`Stopped`].
+pub fn catch_stopped<T, E: From<Stopped>>(work: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
     // Nothing that is left half done is used afterwards: the caller gets none of it, and caches are filled by whole values.
-    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|payload| {
-        if payload.is::<Cancelled>() { Err(Cancelled.into()) } else { resume_unwind(payload) }
-    })
-}
-
-/// Does what [`catch_unwind`] does, but for cancellation, which goes on to [`Control::cancellable`](crate::Control::cancellable). For callers
-/// who judge a renderer by its panics: that it was cancelled is none.
-///
-/// # Errors
-/// The payload of the panic.
-pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Result<T, Box<dyn Any + Send>> {
-    catch_unwind(AssertUnwindSafe(work)).map_err(|payload| {
-        if payload.is::<Cancelled>() {
-            resume_unwind(payload);
-        }
-        payload
+    let outcome = catch_unwind(AssertUnwindSafe(work));
+    outcome.unwrap_or_else(|payload| match payload.downcast::<Stopped>() {
+        Ok(stopped) => Err((*stopped).into()),
+        Err(panic) => resume_unwind(panic),
     })
 }
 
@@ -127,7 +144,7 @@ mod tests {
                 })
             })
         };
-        assert_eq!(control.cancellable(|| make(700).len()), Err(Cancelled));
+        assert_eq!(control.cancellable(|| make(700).len()), Err(Cancelled.into()));
         flag.store(false, Ordering::Relaxed);
         assert_eq!(*control.cancellable(|| make(usize::MAX)).unwrap(), (0..1000).collect::<Vec<_>>());
     }
@@ -156,7 +173,7 @@ mod tests {
         // Another control's work inside is its own; afterwards the outer one is current again.
         let inner = Control::default();
         assert_eq!(control.cancellable(|| (inner.cancellable(seen), seen())), Ok((Ok(false), true)));
-        assert_eq!(control.cancellable(poll), Err(Cancelled));
+        assert_eq!(control.cancellable(poll), Err(Cancelled.into()));
         assert!(!control.run(seen) && !seen());
         control.run(|| parallel::each(10, &|_| poll()));
         poll();
@@ -167,14 +184,16 @@ mod tests {
         let (outer, inner) = (Control::default().with_threads(1), Control::default().with_threads(2));
         outer.cancel_flag().store(true, Ordering::Relaxed);
         assert_eq!(outer.cancellable(|| inner.run(|| CancelToken::current().is_cancelled())), Ok(true));
-        assert_eq!(outer.cancellable(|| inner.run(|| parallel::join(|| (), || ()))), Err(Cancelled));
+        assert_eq!(outer.cancellable(|| inner.run(|| parallel::join(|| (), || ()))), Err(Cancelled.into()));
     }
 
     #[test]
-    fn panics_are_caught_and_cancellation_is_not() {
+    fn a_panic_is_no_early_end() {
         let control = Control::default();
-        assert!(control.cancellable(|| catch_panic(|| resume_unwind(Box::new("a panic"))).is_err()).unwrap());
+        let outcome = catch_unwind(AssertUnwindSafe(|| control.cancellable(|| resume_unwind(Box::new("a panic")))));
+        assert_eq!(*outcome.unwrap_err().downcast::<&str>().unwrap(), "a panic");
         control.cancel_flag().store(true, Ordering::Relaxed);
-        assert!(control.cancellable(|| catch_panic(poll).is_err()).is_err());
+        let caught = || catch_stopped(|| Ok::<_, Stopped>(poll()));
+        assert_eq!(control.cancellable(caught), Ok(Err(Cancelled.into())));
     }
 }

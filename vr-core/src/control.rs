@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::cancel::{CancelToken, Cancelled, catch_cancelled};
+use crate::cancel::{CancelToken, Stopped, catch_stopped};
 use crate::error::RenderError;
 
 /// Cancel flag, progress callback and threads. The default never cancels, reports no progress, and uses rayon's global pool.
@@ -110,10 +110,11 @@ impl Control {
     }
 
     /// Runs work as [`Self::run`] does, and ends it soon after the cancel flag is set, wherever it stands: while it reads a file, while it
-    /// derives structures from a volume ([`crate::cancel`]). What the work holds is dropped.
+    /// derives structures from a volume ([`crate::cancel`]). What the work holds is dropped. Structures for which there is too little memory
+    /// end it, too.
     ///
     /// # Errors
-    /// [`Cancelled`]. Work that ends by itself after the flag is set, with an error of its own or without, has its value returned.
+    /// [`Stopped`]. Work that ends by itself after the flag is set, with an error of its own or without, has its value returned.
     ///
     /// # Examples
     /// ```
@@ -123,13 +124,13 @@ impl Control {
     /// let control = Control::default();
     /// assert_eq!(control.cancellable(|| parallel::collect(3, |i| i)), Ok(vec![0, 1, 2]));
     /// control.cancel_flag().store(true, Ordering::Relaxed);
-    /// assert_eq!(control.cancellable(|| parallel::collect(3, |i| i)), Err(cancel::Cancelled));
+    /// assert_eq!(control.cancellable(|| parallel::collect(3, |i| i)), Err(cancel::Cancelled.into()));
     /// ```
-    pub fn cancellable<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Cancelled> {
+    pub fn cancellable<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Stopped> {
         let token = CancelToken::new(&self.cancel);
         self.run(|| {
             let _entered = token.enter();
-            catch_cancelled(|| Ok(work()))
+            catch_stopped(|| Ok(work()))
         })
     }
 

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use vr_core::cancel::Cancelled;
+use vr_core::cancel::Stopped;
 use vr_core::{GridError, OptionError, RenderError};
 use vr_io::WriteError;
 
@@ -29,8 +29,8 @@ pub enum StudyError {
     Plot(String),
 }
 
-impl From<Cancelled> for StudyError {
-    fn from(cancelled: Cancelled) -> Self {
-        RenderError::from(cancelled).into()
+impl From<Stopped> for StudyError {
+    fn from(stopped: Stopped) -> Self {
+        RenderError::from(stopped).into()
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use vr_core::cancel::catch_cancelled;
+use vr_core::cancel::catch_stopped;
 use vr_core::{Control, Counts, Frame, Model, ParameterError, Prepared, RenderError, Scene, View};
 use vr_io::{AnimationOptions, PngDepth, PngOptions};
 use vr_physics::metrics::subgrid;
@@ -163,7 +163,7 @@ impl Film<'_> {
             }
             // Prepare once; afterwards only what has changed.
             let start = Instant::now();
-            let made = catch_cancelled(|| match prepared.take() {
+            let made = catch_stopped(|| match prepared.take() {
                 Some(mut ready) if is_changed => ready.update(&scene, control).map(|()| ready),
                 Some(ready) => Ok(ready),
                 None => renderer.prepare(&scene, control),
@@ -173,13 +173,13 @@ impl Film<'_> {
             all.prepare += start.elapsed();
             // Draw and write.
             let start = Instant::now();
-            let rendered = catch_cancelled(|| ready.render(&view, control)).map_err(failed)?;
+            let rendered = catch_stopped(|| ready.render(&view, control)).map_err(failed)?;
             all.render += start.elapsed();
             store.put(i, made_of.as_deref(), &vr_io::encode_png(&rendered.frame, &png), &rendered.stats.counts)?;
             all.counts += rendered.stats.counts;
             all.drawn += 1;
             if is_measured {
-                let judged = catch_cancelled(|| judge((&scene, &view), &rendered.frame, control));
+                let judged = catch_stopped(|| judge((&scene, &view), &rendered.frame, control));
                 all.errors.push((i, judged.map_err(|e| self.failure(e, i + 1, store))?));
             }
             bar.drawn();

@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3};
 use vr_core::{Calibration, Placement};
 
 use crate::encoding::Encoding;
-use crate::error::{FieldError, FileError, FileErrorKind};
+use crate::error::{FieldError, FileError, FileErrorKind, shown_path};
 use crate::header_text::HeaderText;
 use crate::layout::{Axis, Layout, Role};
 use crate::payload::{Payload, Segment, Skip};
@@ -343,7 +343,7 @@ fn after_marker(header: &Path, data: &Path, marker: &[u8]) -> Result<u64, FileEr
     match found.flatten() {
         Some(at) => Ok((at + marker.len()) as u64),
         None => {
-            let allowed = format!("must be text in the first {SEARCHED} bytes of {}", data.display());
+            let allowed = format!("must be text in the first {SEARCHED} bytes of {}", shown_path(data));
             Err(FieldError::new("header marker", String::from_utf8_lossy(marker), allowed).in_file(header))
         }
     }

@@ -236,7 +236,7 @@ mod tests {
         let control = vr_core::Control::default();
         control.cancel_flag().store(true, std::sync::atomic::Ordering::Relaxed);
         let mut zlib = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
-        std::io::Write::write_all(&mut zlib, &[0; 16]).unwrap();
+        io::Write::write_all(&mut zlib, &[0; 16]).unwrap();
         for (compressor, block) in [(Compressor::Zlib, zlib.finish().unwrap()), (Compressor::Lzma, bytes(PACKED))] {
             let unpack = || compressor.unpack(&block, 16, &mut Vec::new());
             assert_eq!(control.cancellable(unpack), Ok(Err("cancelled".to_owned())));

@@ -21,7 +21,7 @@ use glam::{DMat3, DVec3};
 use serde_json::Value;
 use vr_core::{Calibration, Placement};
 
-use crate::error::{FieldError, FileError};
+use crate::error::{FieldError, FileError, shown, shown_path};
 use crate::inside::inside;
 use crate::layout::{Axis, Layout, Role};
 use crate::length_unit;
@@ -107,8 +107,8 @@ fn choose(path: &Path, arrays: &[String], groups: &[String]) -> FileError {
     // The list belongs to the remedy, where it is not cut off.
     const MAX_NAMES: usize = 20;
     let more = if all.len() > MAX_NAMES { ", …" } else { "" };
-    let names = all.iter().take(MAX_NAMES).map(|n| crate::error::shown(n)).collect::<Vec<_>>().join(", ");
-    let allowed = format!("name one of {names}{more}, as in {}", path.join(first).display());
+    let names = all.iter().take(MAX_NAMES).map(|n| shown(n)).collect::<Vec<_>>().join(", ");
+    let allowed = format!("name one of {names}{more}, as in {}", shown_path(&path.join(first)));
     let found = format!("a group of {} array(s) and {} group(s)", arrays.len(), groups.len());
     FieldError::new("Zarr group", found, allowed).in_file(path)
 }
