@@ -49,7 +49,8 @@ impl Target {
     /// If a file that is there cannot be read.
     pub fn seeds(&self) -> Vec<Vec<u8>> {
         let found = Path::new(env!("CARGO_MANIFEST_DIR")).join("found").join(self.name);
-        let mut found: Vec<_> = fs::read_dir(found).into_iter().flatten().map(|file| file.expect("a file").path()).collect();
+        let mut found: Vec<_> =
+            fs::read_dir(found).into_iter().flatten().map(|file| file.expect("a file").path()).collect();
         // Folders have no order of their own, and a replay is to be the same on every run.
         found.sort();
         let found = found.iter().map(|path| fs::read(path).expect("a file that a fuzzer has found"));

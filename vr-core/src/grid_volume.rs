@@ -4,8 +4,8 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
-use crate::cancel;
 use crate::any_grid::AnyGrid;
+use crate::cancel;
 use crate::derived::Derived;
 use crate::filter::{BSpline, Filter, Lattice, Reconstruction, interpolation_coefficients};
 use crate::filter::{CatmullRom, Gaussian, Nearest, Trilinear};
@@ -161,7 +161,10 @@ impl GridVolume {
         let make = || match self.values() {
             AnyGrid::F32(g) if g.value_stats().has_missing() => {
                 // A copy, the front that fills it, and a bit a cell.
-                cancel::claim("the voxels with missing ones filled in", g.samples().len() as u64 * (4 + 8) + g.samples().len() as u64 / 8);
+                cancel::claim(
+                    "the voxels with missing ones filled in",
+                    g.samples().len() as u64 * (4 + 8) + g.samples().len() as u64 / 8,
+                );
                 Some((fill_missing(g), VacuumCells::new(g)))
             }
             _ => None,

@@ -5,9 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 use vr_core::cancel::Stopped;
 use vr_core::labels::{LabelError, LabelMap};
-use vr_core::{
-    AnyGrid, Calibration, Control, Filter, Placement, PointKernel, PointSet, UniformGrid, Volume, memory,
-};
+use vr_core::{AnyGrid, Calibration, Control, Filter, Placement, PointKernel, PointSet, UniformGrid, Volume, memory};
 
 /// Bytes that the meter says are left.
 static LEFT: AtomicU64 = AtomicU64::new(u64::MAX);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::{DMat3, DVec3};
-use vr_core::Placement;
+use vr_core::{Placement, number_text};
 
 use crate::error::{FieldError, FileError};
 use crate::read::Description;
@@ -44,7 +44,7 @@ impl GivenPlace {
             let before = description.notes.len();
             description.notes.retain(|note| !assumes_spacing(note));
             if description.notes.len() == before && description.placed_by != "assumed" {
-                let [x, y, z] = own.spacing().to_array();
+                let [x, y, z] = own.spacing().to_array().map(number_text);
                 description.notes.push(format!("the spacing that is given replaces the file's, {x}, {y}, {z}"));
             }
             description.placed_by = "given";

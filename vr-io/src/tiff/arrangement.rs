@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use roxmltree::{Document, Node, ParsingOptions};
-use vr_core::Calibration;
+use vr_core::{Calibration, number_text};
 
 use crate::error::{FieldError, FileError};
 use crate::layout::Role;
@@ -41,11 +41,15 @@ pub(crate) fn spacing_notes(
     match (plane.filter(|_| !is_screen && !says_nothing), slices) {
         (Some([x, y]), Some(z)) => ([x, y, z], unit, by),
         (Some([x, y]), None) => {
-            notes.push(format!("the {by} say nothing about the distance of slices: that of columns, {x}, is assumed"));
+            let columns = number_text(x);
+            notes.push(format!(
+                "the {by} say nothing about the distance of slices: that of columns, {columns}, is assumed"
+            ));
             ([x, y, x], unit, by)
         }
         (None, Some(z)) => {
-            notes.push(format!("only the distance of slices, {z}, is stated: 1, 1 is assumed within them"));
+            let slices = number_text(z);
+            notes.push(format!("only the distance of slices, {slices}, is stated: 1, 1 is assumed within them"));
             ([1.0, 1.0, z], unit, "spacing of slices")
         }
         (None, None) => {
