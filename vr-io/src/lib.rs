@@ -275,6 +275,7 @@ mod names;
 mod narrow;
 mod netcdf;
 mod nifti;
+mod notes;
 mod npy;
 mod nrrd;
 mod opendx;

@@ -11,6 +11,7 @@ use crate::encoding::Encoding;
 use crate::error::{FieldError, FileError, FileErrorKind, shown_path};
 use crate::header_text::HeaderText;
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::Notes;
 use crate::payload::{Payload, Segment, Skip};
 use crate::read::{Description, ReadOptions, file_head};
 use crate::regular_file;
@@ -23,7 +24,7 @@ use super::keyword::{Form, TYPES, scalar_type};
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let in_file = |e: FieldError| e.in_file(path);
     let header = Header::read(path)?;
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     header.check_unread().map_err(in_file)?;
     let form = header.form().map_err(in_file)?;
     let values = header.values().map_err(in_file)?;

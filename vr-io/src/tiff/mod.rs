@@ -23,6 +23,7 @@ use vr_core::Placement;
 use crate::claim::check_claim;
 use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::Notes;
 use crate::payload::Payload;
 use crate::read::{Description, ReadOptions};
 use crate::regular_file::{self, RegularFile};
@@ -71,7 +72,7 @@ pub(crate) fn refuse(path: &Path, error: TiffError) -> FileError {
 /// Everything that the pages' headers say.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let mut file = open(path, 0)?;
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     let (pages, text) = read_pages(path, &mut file, &mut notes)?;
     let first = &pages[0];
     let resolution = first.resolution.clone();
