@@ -267,7 +267,7 @@ mod tests {
 
     fn stack(frames: &[Frame]) -> (Result<Stack, FileErrorKind>, Vec<String>) {
         let mut notes = Notes::default();
-        (Stack::new(&frames.iter().collect::<Vec<_>>(), true, &mut notes), notes)
+        (Stack::new(&frames.iter().collect::<Vec<_>>(), true, &mut notes), notes.into_lines())
     }
 
     #[test]

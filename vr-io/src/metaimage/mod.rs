@@ -215,7 +215,7 @@ mod tests {
 
     fn frame(fields: &str) -> Result<Frame, FieldError> {
         let text = format!("NDims = 3\n{fields}\nElementDataFile = x\n");
-        Frame::new(&Header::parse(text.as_bytes()).unwrap(), &mut Vec::new())
+        Frame::new(&Header::parse(text.as_bytes()).unwrap(), &mut Notes::default())
     }
 
     #[test]

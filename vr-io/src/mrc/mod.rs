@@ -174,7 +174,7 @@ mod tests {
         let Description { source, layout, placement, mut notes, .. } =
             describe(&path, &options).map_err(|e| e.to_string())?;
         let voxels = source.load(&path, &layout, &options, &mut notes).map_err(|e| e.to_string())?;
-        Ok((placement, voxels, layout.dims, notes))
+        Ok((placement, voxels, layout.dims, notes.into_lines()))
     }
 
     fn plain(file: &[u8]) -> Read {

@@ -199,7 +199,7 @@ mod tests {
     fn place(fields: &str) -> Result<World, FileError> {
         let h = Header::parse(format!("NRRD0005\ndimension: 3\nsizes: 5 6 7\n{fields}").as_bytes()).unwrap();
         let axes = [5, 6, 7].map(|size| Axis { size, role: Role::Space });
-        world(Path::new("x.nrrd"), &h, &axes, &mut Vec::new())
+        world(Path::new("x.nrrd"), &h, &axes, &mut Notes::default())
     }
 
     #[test]

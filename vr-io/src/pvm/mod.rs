@@ -205,7 +205,7 @@ mod tests {
         let options = ReadOptions { map: false, ..ReadOptions::default() };
         let Description { source, layout, mut notes, .. } = describe(&path, &options).map_err(|e| e.to_string())?;
         let voxels = source.load(&path, &layout, &options, &mut notes).map_err(|e| e.to_string())?;
-        Ok((voxels, notes))
+        Ok((voxels, notes.into_lines()))
     }
 
     /// 4×3×2 voxels that tell their places.
