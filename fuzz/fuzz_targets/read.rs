@@ -4,9 +4,11 @@
 use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
-use vr_fuzz::{Ground, target};
+use vr_core::memory;
+use vr_fuzz::{Ground, MEMORY_LEFT, target};
 
 static GROUND: LazyLock<Ground> = LazyLock::new(|| {
+    memory::set_meter(|| MEMORY_LEFT);
     let name = std::env::var("VR_FUZZ").unwrap_or_default();
     Ground::new(target(&name).unwrap_or_else(|| panic!("VR_FUZZ: found {name:?}; must be the name of a target")))
 });

@@ -7,6 +7,9 @@ use tempfile::TempDir;
 
 use crate::targets::Target;
 
+/// Bytes of memory that readers are told is left. Seeds have a few kilobytes: what takes more has believed a header.
+pub const MEMORY_LEFT: u64 = 64 << 20;
+
 /// A folder in which a reader meets one file after the other, with those beside it that it needs.
 pub struct Ground {
     target: &'static Target,

@@ -34,5 +34,5 @@ mod small_points;
 #[path = "../../vr-io/tests/tiny/mod.rs"]
 mod tiny;
 
-pub use ground::Ground;
+pub use ground::{Ground, MEMORY_LEFT};
 pub use targets::{TARGETS, Target, target};

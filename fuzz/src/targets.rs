@@ -1,5 +1,6 @@
 //! The kinds of files, each with its reader.
 
+use std::fs;
 use std::path::Path;
 
 use crate::readers;
@@ -42,9 +43,18 @@ impl Target {
         Self { pack: Some(pack), ..self }
     }
 
-    /// Returns small whole files of the kind, to begin from.
+    /// Returns files of the kind, to begin from: small whole ones, and those by which a fuzzer has found faults that are mended.
+    ///
+    /// # Panics
+    /// If a file that is there cannot be read.
     pub fn seeds(&self) -> Vec<Vec<u8>> {
-        (self.seeds)()
+        let found = Path::new(env!("CARGO_MANIFEST_DIR")).join("found").join(self.name);
+        let mut found: Vec<_> =
+            fs::read_dir(found).into_iter().flatten().map(|file| file.expect("a file").path()).collect();
+        // Folders have no order of their own, and a replay is to be the same on every run.
+        found.sort();
+        let found = found.iter().map(|path| fs::read(path).expect("a file that a fuzzer has found"));
+        (self.seeds)().into_iter().chain(found).collect()
     }
 }
 

@@ -10,16 +10,13 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use vr_core::memory;
-use vr_fuzz::{Ground, TARGETS};
+use vr_fuzz::{Ground, MEMORY_LEFT, TARGETS};
 
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
 
-/// Memory that readers are told is left. Seeds have a few kilobytes: what takes more has believed a header.
-const LEFT: u64 = 64 << 20;
-
 /// Memory that a reader may take at one time: what it asked for, the page or piece that it unpacks beside that, and tables of its decoders.
-const MOST: usize = 2 * LEFT as usize + (16 << 20);
+const MOST: usize = 2 * MEMORY_LEFT as usize + (16 << 20);
 
 /// Longest time that a file of kilobytes may take, on a machine that does other work meanwhile.
 const LONGEST: Duration = Duration::from_secs(10);
@@ -96,7 +93,7 @@ fn apply(bytes: &[u8], damage: &[Damage]) -> Vec<u8> {
 
 #[test]
 fn every_reader_survives() {
-    memory::set_meter(|| LEFT);
+    memory::set_meter(|| MEMORY_LEFT);
     let (count, slowest, most) = (Cell::new(0), Cell::new((Duration::ZERO, "")), Cell::new((0, "")));
     for target in TARGETS {
         let ground = Ground::new(target);

@@ -90,7 +90,7 @@ fn run() -> Result<(), Failure> {
     interrupt::cancels(&control);
     memory_limit::enforce(global.memory);
     // Reading and sampling volumes is parallel, too: all of a command runs on the control's threads.
-    let done = control.run(|| match &command {
+    let done = control.cancellable(|| match &command {
         Command::Render(args) => render::run(args, console, &control),
         Command::Compare(args) => compare::run(args, console, &control),
         Command::Bench(args) => bench::run(args, console, &control),
@@ -109,5 +109,6 @@ fn run() -> Result<(), Failure> {
         Command::Physics(args) => physics::run(args, console, &control),
         Command::Help(args) => help::run(args, Cli::command()),
     });
+    let done = done.unwrap_or_else(|stopped| Err(Failure::failed(stopped)));
     done.map_err(|failure| if control.is_cancelled() { failure.cancelled() } else { failure })
 }

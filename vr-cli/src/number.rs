@@ -2,6 +2,9 @@
 
 use std::time::Duration;
 
+/// A value of the volume, in six digits.
+pub use vr_core::number_text as value;
+
 /// Formats a small number, such as an error: `1.24e-3`; exact zero is `0`.
 pub fn small(x: f64) -> String {
     if x == 0.0 { "0".to_owned() } else { format!("{x:.2e}") }
@@ -48,22 +51,6 @@ pub fn triple<T: std::fmt::Display>(v: [T; 3], separator: &str) -> String {
     format!("{x}{separator}{y}{separator}{z}")
 }
 
-/// Formats a value of the volume: up to six digits, no trailing zeros, an exponent only where it saves room.
-pub fn value(x: f64) -> String {
-    if !x.is_finite() {
-        x.to_string()
-    } else if x == 0.0 || (1e-3..1e6).contains(&x.abs()) {
-        let digits = (5 - x.abs().max(1e-300).log10().floor() as i32).clamp(0, 8) as usize;
-        let s = format!("{x:.digits$}");
-        let s = if s.contains('.') { s.trim_end_matches('0').trim_end_matches('.') } else { &s };
-        if s == "-0" { "0".to_owned() } else { s.to_owned() }
-    } else {
-        let s = format!("{x:.5e}");
-        let (mantissa, exponent) = s.split_once('e').unwrap_or((&s, "0"));
-        format!("{}e{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.'))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -75,12 +62,6 @@ mod tests {
         assert_eq!(time(Duration::from_micros(12_345)), "12.3 ms");
         assert_eq!(count(12_345_678), "12.3 M");
         assert_eq!(bytes(68_921), "68.9 kB");
-        for (x, text) in [(0.0, "0"), (255.0, "255"), (-1024.0, "-1024"), (0.5, "0.5"), (1.0 / 3.0, "0.333333")] {
-            assert_eq!(value(x), text);
-        }
-        assert_eq!(value(-2.4e10), "-2.4e10");
-        assert_eq!(value(1e-7), "1e-7");
-        assert_eq!((value(f64::NAN), value(f64::NEG_INFINITY)), ("NaN".to_owned(), "-inf".to_owned()));
         assert_eq!(triple([1, 2, 3], "×"), "1×2×3");
     }
 }

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 use vr_core::Control;
 
 use crate::console::Console;
@@ -13,7 +13,8 @@ const STEPS: u64 = 1000;
 /// Runs work under a bar with a label. The bar is drawn on stderr where that is a terminal, and gone when the work is done.
 pub fn under_bar<T>(console: Console, control: &Control, label: &str, work: impl FnOnce(&Control) -> T) -> T {
     let target = if console.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let bar = ProgressBar::with_draw_target(Some(STEPS), target);
+    // Gone, too, where the work unwinds.
+    let bar = ProgressBar::with_draw_target(Some(STEPS), target).with_finish(ProgressFinish::AndClear);
     let style = ProgressStyle::with_template("{prefix:<24} {wide_bar} {percent:>3} % {eta:>4}");
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     bar.set_prefix(label.to_owned());

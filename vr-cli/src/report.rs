@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use vr_core::cancel::catch_stopped;
 use vr_core::{Control, Options, RenderError};
 use vr_io::AnnotationsSection;
 use vr_study::StudyError;
@@ -76,8 +77,10 @@ pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(),
         )),
         journal: Some(&journal),
     };
-    let measured =
-        under_bar(console, control, "measuring", |progress| run.run(suite, (control, &|share| progress.report(share))));
+    let measured = under_bar(console, control, "measuring", |progress| {
+        // Cancelled anywhere, the journal has what was done.
+        catch_stopped(|| run.run(suite, (control, &|share| progress.report(share))))
+    });
     let report = measured.map_err(|e| match (e, &setup) {
         (StudyError::Render(RenderError::Cancelled), _) => {
             Failure::failed(format!("cancelled; the same command takes it up again ({})", journal.display()))

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use crate::parallel::collect;
+use crate::cancel;
+use crate::parallel::{collect, join};
 
 /// A balanced tree of boxes around items that are numbered from 0.
 ///
@@ -90,8 +91,11 @@ impl BoxTree {
             let [x, y, z] = (at - middle).to_array();
             Item { at: [x, y, z, radius], number: number as u32 }
         };
-        let mut items: Vec<Item> = collect(count, item);
         let levels = count.div_ceil(LEAF).next_power_of_two().trailing_zeros();
+        // Leaves are copied once, from those that are found side by side.
+        let bytes = count * (size_of::<Item>() + size_of::<u32>()) + 3 * (size_of::<Bounds>() << levels);
+        cancel::claim("the tree of boxes", bytes as u64);
+        let mut items: Vec<Item> = collect(count, item);
         arrange(&mut items, count, levels, 0, 0);
 
         // The boxes of the leaves, then those of the nodes above.
@@ -252,6 +256,6 @@ fn arrange(items: &mut [Item], count: usize, levels: u32, level: u32, node: usiz
         go(left, 2 * node);
         go(right, 2 * node + 1);
     } else {
-        rayon::join(|| go(left, 2 * node), || go(right, 2 * node + 1));
+        join(|| go(left, 2 * node), || go(right, 2 * node + 1));
     }
 }

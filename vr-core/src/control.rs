@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::cancel::{CancelToken, Stopped, catch_stopped};
 use crate::error::RenderError;
 
 /// Cancel flag, progress callback and threads. The default never cancels, reports no progress, and uses rayon's global pool.
@@ -108,10 +109,41 @@ impl Control {
         made.expect("the pool ran it")
     }
 
+    /// Runs work as [`Self::run`] does, and ends it soon after the cancel flag is set, wherever it stands: while it reads a file, while it
+    /// derives structures from a volume ([`crate::cancel`]). What the work holds is dropped. Structures for which there is too little memory
+    /// end it, too.
+    ///
+    /// # Errors
+    /// [`Stopped`]. Work that ends by itself after the flag is set, with an error of its own or without, has its value returned.
+    ///
+    /// # Examples
+    /// ```
+    /// use std::sync::atomic::Ordering;
+    /// use vr_core::{Control, cancel, parallel};
+    ///
+    /// let control = Control::default();
+    /// assert_eq!(control.cancellable(|| parallel::collect(3, |i| i)), Ok(vec![0, 1, 2]));
+    /// control.cancel_flag().store(true, Ordering::Relaxed);
+    /// assert_eq!(control.cancellable(|| parallel::collect(3, |i| i)), Err(cancel::Cancelled.into()));
+    /// ```
+    pub fn cancellable<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Stopped> {
+        let token = CancelToken::new(&self.cancel);
+        self.run(|| {
+            let _entered = token.enter();
+            catch_stopped(|| Ok(work()))
+        })
+    }
+
     /// Does what [`Self::run`] does; compiled once, not anew for each closure.
     fn install(&self, work: &mut (dyn FnMut() + Send)) {
         match &self.pool {
-            Some(pool) => pool.install(work),
+            Some(pool) => {
+                let token = CancelToken::current();
+                pool.install(|| {
+                    let _entered = token.enter();
+                    work();
+                });
+            }
             None => work(),
         }
     }

@@ -1,5 +1,7 @@
 //! Errors of the parts of a scene, and of a render.
 
+use crate::cancel::{Cancelled, Stopped};
+use crate::memory::MemoryError;
 use crate::unsupported::Unsupported;
 
 /// An error of a uniform grid.
@@ -249,6 +251,9 @@ pub enum RenderError {
     /// The caller set the cancel flag.
     #[error("cancelled")]
     Cancelled,
+    /// Too little memory for what is derived from the volume.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
     /// Too little memory for what the caller asked.
     #[error("{what} needs {bytes} bytes, more than the limit of {limit}")]
     TooLarge {
@@ -259,6 +264,21 @@ pub enum RenderError {
         /// Largest size that is allowed.
         limit: u64,
     },
+}
+
+impl From<Cancelled> for RenderError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+impl From<Stopped> for RenderError {
+    fn from(stopped: Stopped) -> Self {
+        match stopped {
+            Stopped::Cancelled(cancelled) => cancelled.into(),
+            Stopped::Memory(refused) => refused.into(),
+        }
+    }
 }
 
 /// An option that a renderer does not have, or a value that it does not take.

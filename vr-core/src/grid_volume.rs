@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 
 use crate::any_grid::AnyGrid;
+use crate::cancel;
 use crate::derived::Derived;
 use crate::filter::{BSpline, Filter, Lattice, Reconstruction, interpolation_coefficients};
 use crate::filter::{CatmullRom, Gaussian, Nearest, Trilinear};
@@ -158,7 +159,14 @@ impl GridVolume {
     #[inline]
     fn filled(&self) -> Option<&(UniformGrid<f32>, VacuumCells)> {
         let make = || match self.values() {
-            AnyGrid::F32(g) if g.value_stats().has_missing() => Some((fill_missing(g), VacuumCells::new(g))),
+            AnyGrid::F32(g) if g.value_stats().has_missing() => {
+                // A copy, the front that fills it, and a bit a cell.
+                cancel::claim(
+                    "the voxels with missing ones filled in",
+                    g.samples().len() as u64 * (4 + 8) + g.samples().len() as u64 / 8,
+                );
+                Some((fill_missing(g), VacuumCells::new(g)))
+            }
             _ => None,
         };
         self.values.filled.get_or_init(make).as_ref()
@@ -175,9 +183,14 @@ impl GridVolume {
 
     /// Coefficients of the B-spline that interpolates the voxels, missing ones filled in: what [`Filter::BSpline`] samples. Made at the first call.
     pub fn spline_coefficients(&self) -> &[f32] {
-        self.values.coefficients.get_or_init(|| match self.filled() {
-            Some((g, _)) => interpolation_coefficients(&lattice(g)),
-            None => with_grid!(self.values(), g => interpolation_coefficients(&lattice(g))),
+        self.values.coefficients.get_or_init(|| {
+            // Beside them, the columns along z while they are filtered.
+            let bytes = 2 * size_of::<f32>() * self.dims().iter().product::<usize>();
+            cancel::claim("the coefficients of the B-spline", bytes as u64);
+            match self.filled() {
+                Some((g, _)) => interpolation_coefficients(&lattice(g)),
+                None => with_grid!(self.values(), g => interpolation_coefficients(&lattice(g))),
+            }
         })
     }
 

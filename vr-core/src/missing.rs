@@ -1,5 +1,6 @@
 //! Voxels that are NaN: the cells that they make vacuum, and the values that the wider filters take in their place.
 
+use crate::cancel;
 use crate::grid::UniformGrid;
 use crate::real::Real;
 
@@ -78,6 +79,7 @@ pub fn fill_missing(grid: &UniformGrid<f32>) -> UniformGrid<f32> {
     }
     let strides = [1, dims[0], dims[0] * dims[1]];
     while !front.is_empty() {
+        cancel::poll();
         let mut next = Vec::new();
         for &i in &front {
             for a in 0..3 {

@@ -1,11 +1,14 @@
 //! Loops over parts of an array on rayon's current threads. Rayon's own code is compiled here, once, and not anew for each closure: a
 //! loop elsewhere costs the compiler a fiftieth of what a parallel iterator does.
+//!
+//! Each loop asks for the current cancel flag with each part ([`crate::cancel`]), and has it be current on the threads that it runs on.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
+use crate::cancel::CancelToken;
 use crate::error::RenderError;
 
 /// Locks a mutex, whether or not a thread has panicked with it.
@@ -16,14 +19,45 @@ pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// Calls `piece` for `0 .. count`, one a task, until one fails.
 ///
 /// # Errors
-/// Returns the error of a piece that failed.
+/// Returns the error of a piece that failed, or [`RenderError::Cancelled`].
 pub fn try_each(count: usize, piece: &(dyn Fn(usize) -> Result<(), RenderError> + Sync)) -> Result<(), RenderError> {
-    (0..count).into_par_iter().with_max_len(1).try_for_each(piece)
+    let token = CancelToken::current();
+    (0..count).into_par_iter().with_max_len(1).try_for_each(|i| {
+        let _entered = token.enter();
+        token.check()?;
+        piece(i)
+    })
 }
 
 /// Calls `piece` for `0 .. count`; neighbours may share a task.
 pub fn each(count: usize, piece: &(dyn Fn(usize) + Sync)) {
-    (0..count).into_par_iter().for_each(piece);
+    let token = CancelToken::current();
+    (0..count).into_par_iter().for_each_init(
+        || token.enter(),
+        |_entered, i| {
+            // What is left of a cancelled loop is passed over; it unwinds once, at its end, rather than in each task.
+            if !token.is_cancelled() {
+                piece(i);
+            }
+        },
+    );
+    token.poll();
+}
+
+/// Does two things, side by side where a thread is free.
+pub fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    let token = CancelToken::current();
+    token.poll();
+    rayon::join(
+        || {
+            let _entered = token.enter();
+            a()
+        },
+        || {
+            let _entered = token.enter();
+            b()
+        },
+    )
 }
 
 /// Calls `work` with the number of each part, and the part.

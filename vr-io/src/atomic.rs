@@ -5,6 +5,7 @@ use std::io::{self, BufWriter, Seek, Write};
 use std::path::Path;
 
 use crate::error::WriteError;
+use crate::polled::Polled;
 use crate::unfinished;
 
 /// A seekable place to write to.
@@ -31,7 +32,7 @@ pub(crate) fn write_whole(
         Ok(place) if place.is_dir() => return Err(failed(io::ErrorKind::IsADirectory.into())),
         // Something like /dev/null takes what it is given; it must not be replaced by a file.
         Ok(place) if !place.is_file() => {
-            let mut out = BufWriter::new(File::options().write(true).open(path).map_err(failed)?);
+            let mut out = BufWriter::new(Polled::new(File::options().write(true).open(path).map_err(failed)?));
             write(&mut out)?;
             return out.flush().map_err(failed);
         }
@@ -41,7 +42,7 @@ pub(crate) fn write_whole(
     let place = fs::canonicalize(path).unwrap_or_else(|_| path.into());
     let folder = place.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let (mut temporary, _under_way) = unfinished::file_in(folder).map_err(failed)?;
-    let mut out = BufWriter::new(&mut temporary);
+    let mut out = BufWriter::new(Polled::new(&mut temporary));
     write(&mut out)?;
     out.flush().map_err(failed)?;
     drop(out);

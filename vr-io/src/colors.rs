@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use vr_core::{Calibration, ColorGrid, ColorValue, GridError, Placement, memory};
+use vr_core::{Calibration, ColorGrid, ColorValue, GridError, Placement, memory, number_text};
 
 use crate::error::FileError;
 use crate::layout::Layout;
@@ -106,6 +106,6 @@ fn into_unit_range(components: &mut [f32], notes: &mut Vec<String>) {
     let largest = components.iter().copied().filter(|c| c.is_finite()).fold(0.0, f32::max);
     if largest > 1.0 {
         components.iter_mut().for_each(|c| *c /= largest);
-        notes.push(format!("components up to {largest} are divided by that: full light is 1"));
+        notes.push(format!("components up to {} are divided by that: full light is 1", number_text(largest.into())));
     }
 }

@@ -5,6 +5,8 @@ use std::io::{self, BufRead, Read};
 use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::{GzDecoder, ZlibDecoder};
 
+use crate::polled::Polled;
+
 /// The encodings of voxels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Encoding {
@@ -46,9 +48,10 @@ impl Encoding {
     fn boxed_reader<'a>(self, encoded: Box<dyn BufRead + 'a>) -> Box<dyn Read + 'a> {
         match self {
             Self::Raw | Self::Text => Box::new(encoded),
-            Self::Gzip => Box::new(GzipMembers { member: Some(GzDecoder::new(encoded)) }),
-            Self::Bzip2 => Box::new(MultiBzDecoder::new(encoded)),
-            Self::Zlib => Box::new(ZlibDecoder::new(encoded)),
+            // A block of the file may stand for a thousand or, with bzip2, a million times as much: the outcome is polled, too.
+            Self::Gzip => Box::new(Polled::new(GzipMembers { member: Some(GzDecoder::new(encoded)) })),
+            Self::Bzip2 => Box::new(Polled::new(MultiBzDecoder::new(encoded))),
+            Self::Zlib => Box::new(Polled::new(ZlibDecoder::new(encoded))),
             Self::Hex => Box::new(HexDigits { encoded }),
         }
     }
@@ -151,6 +154,34 @@ mod tests {
         let n = file.len();
         file[n - 6] ^= 1;
         assert!(decode(Encoding::Gzip, &file).is_err());
+    }
+
+    #[test]
+    fn decoders_end_where_the_work_is_cancelled() {
+        let control = vr_core::Control::default();
+        let zeros = [0; 1 << 20];
+        let mut bzip2 = bzip2::write::BzEncoder::new(Vec::new(), bzip2::Compression::fast());
+        bzip2.write_all(&zeros).unwrap();
+        let mut zlib = flate2::write::ZlibEncoder::new(Vec::new(), Compression::fast());
+        zlib.write_all(&zeros).unwrap();
+        let packed = [
+            (Encoding::Gzip, gzip(&zeros)),
+            (Encoding::Bzip2, bzip2.finish().unwrap()),
+            (Encoding::Zlib, zlib.finish().unwrap()),
+        ];
+        for (encoding, bytes) in &packed {
+            assert_eq!(decode(*encoding, bytes).unwrap(), zeros);
+        }
+        let outcome = control.cancellable(|| {
+            packed.map(|(encoding, bytes)| {
+                control.cancel_flag().store(false, std::sync::atomic::Ordering::Relaxed);
+                let mut reader = encoding.reader(&bytes[..]);
+                reader.read_exact(&mut [0; 1000]).unwrap();
+                control.cancel_flag().store(true, std::sync::atomic::Ordering::Relaxed);
+                reader.read_to_end(&mut Vec::new()).unwrap_err().to_string()
+            })
+        });
+        assert_eq!(outcome.unwrap(), ["cancelled"; 3]);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use vr_core::scattering::EnvironmentImage;
 
+use crate::error::shown_path;
 use crate::picture_read::read_picture;
 use crate::png::Encode;
 use crate::scene::SceneFileError;
@@ -30,7 +31,7 @@ pub fn read_environment_map(path: impl AsRef<Path>) -> Result<LoadedEnvironment,
     if u64::from(width) != 2 * u64::from(height) {
         notes.push(format!(
             "{}: {width}x{height} pixels; an equirectangular picture of all directions is twice as wide as high",
-            path.display()
+            shown_path(path)
         ));
     }
     let mut negative = 0usize;
@@ -41,7 +42,7 @@ pub fn read_environment_map(path: impl AsRef<Path>) -> Result<LoadedEnvironment,
     };
     let radiances: Vec<f32> = frame.pixels().iter().flat_map(|&[r, g, b, _]| [r, g, b]).map(light).collect();
     if negative > 0 {
-        notes.push(format!("{}: {negative} radiances below 0 are taken for 0", path.display()));
+        notes.push(format!("{}: {negative} radiances below 0 are taken for 0", shown_path(path)));
     }
     let pixels = radiances.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect();
     let image = EnvironmentImage::new(frame.size(), pixels)

@@ -1,10 +1,12 @@
 //! Errors of reading files and of writing frames.
 
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use vr_core::amr::AmrError;
+use vr_core::cancel::CancelToken;
 use vr_core::cells::CellError;
 use vr_core::labels::LabelError;
 use vr_core::memory::MemoryError;
@@ -14,7 +16,7 @@ use vr_core::{GridError, MeshError, PointError};
 /// The reason why a file gives no volume, points, surface or colour map: one line that names the file, the place in it, what was found and
 /// what is allowed.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: {kind}", path.display())]
+#[error("{}: {kind}", shown_path(path))]
 pub struct FileError {
     /// The file with the fault: the one that was asked for, or one that it names.
     pub path: PathBuf,
@@ -24,7 +26,9 @@ pub struct FileError {
 
 impl FileError {
     pub(crate) fn new(path: &Path, kind: impl Into<FileErrorKind>) -> Self {
-        Self { path: path.into(), kind: kind.into() }
+        // Once the work is cancelled, that is the reason of any fault, whatever a decoder took the end of its stream for.
+        let kind = if CancelToken::current().is_cancelled() { FileErrorKind::Cancelled } else { kind.into() };
+        Self { path: path.into(), kind }
     }
 }
 
@@ -32,6 +36,9 @@ impl FileError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileErrorKind {
+    /// The caller cancelled the work ([`vr_core::Control::cancellable`]).
+    #[error("cancelled while it was read")]
+    Cancelled,
     /// The file cannot be opened or read.
     #[error(transparent)]
     Io(#[from] io::Error),
@@ -42,7 +49,7 @@ pub enum FileErrorKind {
     #[error(transparent)]
     Field(#[from] FieldError),
     /// A data file that a header names and that cannot be opened.
-    #[error("data file {}: {source}; it must lie where the header says", data.display())]
+    #[error("data file {}: {source}; it must lie where the header says", shown_path(data))]
     DataFile {
         /// The file that the header names.
         data: PathBuf,
@@ -124,7 +131,7 @@ impl FileErrorKind {
 
 /// A wrong field of a header, line of a text, point or column.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{field}: found {found}; {allowed}")]
+#[error("{}: found {found}; {}", on_one_line(field), on_one_line(allowed))]
 pub struct FieldError {
     /// The field as the format names it, or the place: a line from 1, a point from 0, a column.
     pub field: String,
@@ -155,6 +162,19 @@ pub(crate) fn shown_with_quotes(text: &str) -> String {
     clipped(text, |c| c.escape_debug().skip(usize::from(matches!(c, '"' | '\'' | '\\'))))
 }
 
+/// Text that a file may have had a say in, with its control characters escaped: line feeds are among them.
+pub(crate) fn on_one_line(text: &str) -> Cow<'_, str> {
+    if !text.contains(char::is_control) {
+        return text.into();
+    }
+    text.chars().flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] }).collect()
+}
+
+/// Name of a file or a folder, which another file may have named, on one line.
+pub(crate) fn shown_path(path: &Path) -> String {
+    on_one_line(&path.display().to_string()).into_owned()
+}
+
 fn clipped<E: Iterator<Item = char>>(text: &str, escape: impl Fn(char) -> E) -> String {
     const MAX_CHARS: usize = 60;
     let mut s: String = text.chars().take(MAX_CHARS).flat_map(escape).collect();
@@ -172,7 +192,7 @@ fn clipped<E: Iterator<Item = char>>(text: &str, escape: impl Fn(char) -> E) -> 
 #[non_exhaustive]
 pub enum WriteError {
     /// The place cannot be written to.
-    #[error("{}: cannot be written: {source}", path.display())]
+    #[error("{}: cannot be written: {source}", shown_path(path))]
     Io {
         /// The file.
         path: PathBuf,
@@ -180,7 +200,7 @@ pub enum WriteError {
         source: io::Error,
     },
     /// The format cannot hold what was to be written.
-    #[error("{}: {message}", path.display())]
+    #[error("{}: {message}", shown_path(path))]
     Encode {
         /// The file.
         path: PathBuf,
@@ -199,5 +219,15 @@ mod tests {
         let text = e.to_string();
         assert!(!text.contains('\n') && text.len() < 200, "{text}");
         assert!(text.starts_with("x.nrrd: type: found a\\nb"), "{text}");
+        // Names of fields and of files are a file's words, too.
+        let data = PathBuf::from("a\r\u{1b}[2J.raw");
+        let texts = [
+            FieldError::new("di\nmension", 1, "must be\tthere").in_file(Path::new("x\n.nrrd")).to_string(),
+            FileErrorKind::DataFile { data, source: io::ErrorKind::NotFound.into() }.to_string(),
+            WriteError::Encode { path: "a\nb".into(), message: "no".to_owned() }.to_string(),
+        ];
+        assert_eq!(texts[0], r"x\n.nrrd: di\nmension: found 1; must be\tthere");
+        assert!(texts[1].starts_with(r"data file a\r\u{1b}[2J.raw: "), "{}", texts[1]);
+        assert_eq!(texts[2], r"a\nb: no");
     }
 }

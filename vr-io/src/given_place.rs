@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use glam::{DMat3, DVec3};
-use vr_core::Placement;
+use vr_core::{Placement, number_text};
 
 use crate::error::{FieldError, FileError};
+use crate::notes::Assumption;
 use crate::read::Description;
 
 /// Spacing and origin of a grid in place of its file's.
@@ -38,13 +39,11 @@ impl GivenPlace {
         description.placement = Placement::new(origin, axes).map_err(in_file)?;
         // Take back the notes about assumptions that no longer hold.
         if self.origin.is_some() {
-            description.notes.retain(|note| !note.contains("origin") || !note.ends_with("is assumed"));
+            description.notes.take_back(Assumption::Origin);
         }
         if self.spacing.is_some() {
-            let before = description.notes.len();
-            description.notes.retain(|note| !assumes_spacing(note));
-            if description.notes.len() == before && description.placed_by != "assumed" {
-                let [x, y, z] = own.spacing().to_array();
+            if !description.notes.take_back(Assumption::Spacing) && description.placed_by != "assumed" {
+                let [x, y, z] = own.spacing().to_array().map(number_text);
                 description.notes.push(format!("the spacing that is given replaces the file's, {x}, {y}, {z}"));
             }
             description.placed_by = "given";
@@ -62,12 +61,6 @@ impl GivenPlace {
             Err(FieldError::new(field, format!("{found:?}"), "only uniform grids take one").in_file(path))
         })
     }
-}
-
-/// True for a reader's note that it had to assume a distance between voxels.
-fn assumes_spacing(note: &str) -> bool {
-    const DISTANCES: [&str; 5] = ["pacing", "SliceThickness", "between slices", "between voxels", "that of columns"];
-    note.contains("assumed") && DISTANCES.iter().any(|word| note.contains(word))
 }
 
 #[cfg(test)]

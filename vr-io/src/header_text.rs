@@ -1,16 +1,15 @@
 //! The text at the begin of a file, before anything of it is understood.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Take};
 use std::path::Path;
 
 use crate::error::FileError;
-use crate::regular_file;
+use crate::regular_file::{self, RegularFile};
 
 /// Reads a header line by line, as far as the parser of the format asks, and keeps the bytes read.
 pub(crate) struct HeaderText<'p> {
     path: &'p Path,
-    file: Take<BufReader<File>>,
+    file: Take<BufReader<RegularFile>>,
     text: Vec<u8>,
 }
 

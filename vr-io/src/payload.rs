@@ -3,11 +3,11 @@
 //! Nothing is allocated on a header's word: the size that it claims is held against the length of the file first, or, where
 //! the data are compressed, memory grows with what really comes out, up to that size.
 
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use bytemuck::Zeroable;
+use vr_core::cancel::CancelToken;
 use vr_core::{GridError, memory, parallel};
 
 use crate::decode::with_scalar;
@@ -16,7 +16,7 @@ use crate::error::{FieldError, FileError, FileErrorKind, shown};
 use crate::layout::Layout;
 use crate::mapped::MappedVoxels;
 use crate::read::ReadOptions;
-use crate::regular_file;
+use crate::regular_file::{self, RegularFile};
 use crate::scalar::{Endian, ScalarType};
 use crate::voxels::{Remember, Stored, Voxels};
 
@@ -102,7 +102,7 @@ impl Payload {
             let first = offset + (layout.offset * size) as u64;
             let io = |e| FileError::new(&segment.path, e);
             with_scalar!(self.scalar, S => {
-                if let Some(mapped) = MappedVoxels::<S>::new(file.get_ref(), first, layout.count()).map_err(io)? {
+                if let Some(mapped) = MappedVoxels::<S>::new(file.get_ref().get_ref(), first, layout.count()).map_err(io)? {
                     return Ok(S::remember(Stored::Mapped(mapped), notes));
                 }
             });
@@ -206,7 +206,7 @@ impl Payload {
     }
 
     /// The file, standing where the encoded data begin.
-    fn open(&self, header: &Path, segment: &Segment) -> Result<BufReader<File>, FileError> {
+    fn open(&self, header: &Path, segment: &Segment) -> Result<BufReader<RegularFile>, FileError> {
         let file = regular_file::open(&segment.path).map_err(|source| {
             if segment.path == header {
                 FileError::new(header, source)
@@ -233,11 +233,11 @@ impl Payload {
         segment: &Segment,
         claimed: u64,
         notes: &mut Vec<String>,
-    ) -> Result<(BufReader<File>, u64), FileError> {
+    ) -> Result<(BufReader<RegularFile>, u64), FileError> {
         let io = |e| FileError::new(&segment.path, e);
         let mut file = self.open(header, segment)?;
         let start = file.stream_position().map_err(io)?;
-        let rest = file.get_ref().metadata().map_err(io)?.len().saturating_sub(start);
+        let rest = file.get_ref().length().map_err(io)?.saturating_sub(start);
         let skip = match segment.skip {
             Skip::Bytes(n) | Skip::Part(n) => n,
             Skip::AllButVoxels => rest.saturating_sub(claimed),
@@ -331,8 +331,13 @@ impl Payload {
     ) -> Result<(), FileError> {
         let mut text = Vec::new();
         self.open(header, segment)?.read_to_end(&mut text).map_err(|e| FileError::new(&segment.path, e))?;
-        let mut found = 0;
+        // Words between two looks at the cancel flag.
+        const WORDS: usize = 1 << 16;
+        let (token, mut found) = (CancelToken::current(), 0_usize);
         for word in text.split(|c| c.is_ascii_whitespace() || *c == b',').filter(|w| !w.is_empty()) {
+            if found.is_multiple_of(WORDS) {
+                token.check().map_err(|e| FileError::new(&segment.path, io::Error::from(e)))?;
+            }
             if found < samples && !str::from_utf8(word).is_ok_and(|word| kept.word(word)) {
                 let word = shown(&String::from_utf8_lossy(word));
                 let message = format!("sample {found} is {word}, no {}", self.scalar);

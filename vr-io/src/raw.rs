@@ -8,6 +8,7 @@ use vr_core::{Calibration, Placement};
 use crate::encoding::Encoding;
 use crate::error::{FieldError, FileError};
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::{Assumption, Notes};
 use crate::payload::{Payload, Segment, Skip};
 use crate::read::{Description, ReadOptions};
 use crate::scalar::{Endian, ScalarType};
@@ -85,9 +86,9 @@ pub(crate) fn describe(
     let direction = DMat3::from_cols_array_2d(&raw.direction);
     let placement = Placement::oriented(DVec3::from_array(raw.origin), raw.spacing.unwrap_or([1.0; 3]), direction)
         .map_err(|e| FileError::new(path, e))?;
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     if raw.spacing.is_none() {
-        notes.push("raw files state no spacing: 1, 1, 1 is assumed".into());
+        notes.assume(Assumption::Spacing, "raw files state no spacing: 1, 1, 1 is assumed");
     }
     let segment = Segment { path: path.into(), start: 0, lines: 0, skip: Skip::Bytes(raw.skip) };
     let payload = Payload {

@@ -16,6 +16,7 @@ use crate::error::{FieldError, FileError};
 use crate::given_place::GivenPlace;
 use crate::layout::Layout;
 use crate::nifti::Transform;
+use crate::notes::Notes;
 use crate::points::{self, LoadedPoints, PointFormat, PointOptions};
 use crate::raw::RawDescription;
 use crate::regular_file;
@@ -164,7 +165,7 @@ pub(crate) struct Description {
     pub units: Option<String>,
     /// `None` for every format but DICOM.
     pub scan: Option<Scan>,
-    pub notes: Vec<String>,
+    pub notes: Notes,
 }
 
 /// Reads a volume of any supported format, from a file, a folder or a pattern of names; the crate's page lists them. The
@@ -443,7 +444,7 @@ fn assemble(
         modality,
         window,
     };
-    Ok(Loaded { volume, info, notes })
+    Ok(Loaded { volume, info, notes: notes.into_lines() })
 }
 
 /// True if a volume's voxels are so many that none is read before it is asked for: opening takes milliseconds then.

@@ -7,20 +7,32 @@ use std::path::Path;
 
 use vr_core::memory;
 
+use crate::polled::Polled;
+
 /// Longest text that a person writes, and that is parsed as a whole: four times a scene file with a volume of 64³ voxels in it.
 pub(crate) const MAX_TEXT: u64 = 1 << 24;
+
+/// A file that is read, until the work that reads it is cancelled.
+pub(crate) type RegularFile = Polled<File>;
+
+impl RegularFile {
+    /// Length in bytes.
+    pub fn length(&self) -> io::Result<u64> {
+        Ok(self.get_ref().metadata()?.len())
+    }
+}
 
 /// Opens a file.
 ///
 /// # Errors
 /// Those of the system, and [`ErrorKind::InvalidInput`] for anything but a regular file.
-pub(crate) fn open(path: &Path) -> io::Result<File> {
+pub(crate) fn open(path: &Path) -> io::Result<RegularFile> {
     let kind = fs::metadata(path)?.file_type();
     if !kind.is_file() {
         let message = format!("is {}; must be a regular file", name_of(kind));
         return Err(io::Error::new(ErrorKind::InvalidInput, message));
     }
-    File::open(path)
+    File::open(path).map(Polled::new)
 }
 
 /// Reads a whole file of at most `limit` bytes.
@@ -33,13 +45,13 @@ pub(crate) fn read(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
         let message = format!("has {found} bytes or more; at most {limit} are read of such a file");
         io::Error::new(ErrorKind::FileTooLarge, message)
     };
-    let length = file.metadata()?.len();
+    let length = file.length()?;
     if length > limit {
         return Err(too_large(length));
     }
     memory::check("the file", length).map_err(|e| io::Error::new(ErrorKind::OutOfMemory, e))?;
-    // It may grow at this moment.
-    let mut bytes = Vec::new();
+    // It may grow at this moment; room for the end of the file is what tells it from the middle.
+    let mut bytes = Vec::with_capacity(length as usize + 1);
     file.take(limit + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit {
         return Err(too_large(limit + 1));

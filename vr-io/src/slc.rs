@@ -14,6 +14,7 @@ use vr_core::{Calibration, Placement};
 use crate::encoding::invalid;
 use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::Notes;
 use crate::packed::Packed;
 use crate::payload::{Payload, Segment, Skip};
 use crate::read::{Description, ReadOptions};
@@ -58,7 +59,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         // The codes of units are not described anywhere that we know.
         units: None,
         scan: None,
-        notes: Vec::new(),
+        notes: Notes::default(),
     })
 }
 

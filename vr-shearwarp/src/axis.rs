@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 use vr_core::filter::Lattice;
 use vr_core::parallel::each_part;
-use vr_core::{AnyGrid, GridVolume, LatticeVisitor, RenderError, UniformGrid, Voxel, gradient_at_sample};
+use vr_core::{AnyGrid, GridVolume, LatticeVisitor, RenderError, UniformGrid, Voxel, gradient_at_sample, memory};
 
 use crate::codes::Codes;
 use crate::encode::{Dense, Layout, Leveled, PAD, Rule, Runs, VisibleBlocks, block_runs, packed};
@@ -114,6 +114,10 @@ impl Encoder<'_> {
             // Missing samples are for runs that end at them.
             if let Some(cells) = cells {
                 let turned = usize::from(w == 0);
+                if whole.0[turned].is_none() {
+                    let size = if self.volume.voxel_type().bytes() == 1 { 1 } else { 2 };
+                    self.check_memory(self.volume.dims().iter().product(), size)?;
+                }
                 let voxels = whole.0[turned].get_or_insert_with(|| Arc::new(self.all_voxels(turned == 1)));
                 return Ok(EncodedAxis { cells, voxels: Arc::clone(voxels) });
             }
@@ -142,10 +146,18 @@ impl Encoder<'_> {
             let (runs, packing) = packed::<2, T>(&dense, self.blocks, self.rule)?;
             (Cells::InLayers(runs), packing)
         };
+        self.check_memory(packing.stored(), size_of::<P>())?;
         let codes = keep(packing.pack(&dense, code));
         let normals = self.normals(dense.layout, &|row| packing.fill(row));
         let gradients = self.gradients(dense.layout, &|row| packing.fill(row));
         Ok(EncodedAxis { cells, voxels: Arc::new(Voxels { codes, normals, gradients }) })
+    }
+
+    /// Refuses a number of voxels, with codes of a size each, for which there is too little memory.
+    fn check_memory(&self, voxels: usize, code_bytes: usize) -> Result<(), RenderError> {
+        let normal = if self.shaded { size_of::<u16>() } else { 0 };
+        let gradient = if self.steep { 3 * size_of::<f32>() } else { 0 };
+        Ok(memory::check("the run-length encoded volume", (voxels * (code_bytes + normal + gradient)) as u64)?)
     }
 
     fn all_voxels(&self, turned: bool) -> Voxels {

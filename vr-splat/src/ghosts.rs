@@ -1,5 +1,6 @@
 //! Voxels beyond the box of a grid, which its filter takes from those inside.
 
+use vr_core::cancel;
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::parallel::collect;
 use vr_core::{Sampler, SamplerVisitor, VacuumCells, Voxel};
@@ -53,6 +54,9 @@ impl SamplerVisitor for Padded {
             }
         };
         let padded = dims.map(|n| n + 2 * BEYOND);
+        // Layers are joined once they are all there.
+        let bytes = 2 * size_of::<f32>() * padded.iter().product::<usize>();
+        cancel::claim("the voxels with those beyond the box", bytes as u64);
         let layer = |z: usize| {
             let z = inside(2, z);
             let row = |y: usize| {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use fearless_simd::Level;
 use glam::DVec3;
+use vr_core::cancel;
 use vr_core::parallel::collect;
 use vr_core::{ParameterError, PointSet, Scene, View};
 use vr_kernels::vector::{LANES, PacketLights};
@@ -20,7 +21,10 @@ impl GradientsAtPoints {
     /// Makes them when first asked for; the points keep them.
     pub(crate) fn of(points: &PointSet) -> Arc<Self> {
         let gradient = |k: usize| points.gradient(points.positions()[k]).unwrap_or_default();
-        points.derived().get((), || Self(collect(points.count(), gradient)))
+        points.derived().get((), || {
+            cancel::claim("the gradients at points", (points.count() * size_of::<DVec3>()) as u64);
+            Self(collect(points.count(), gradient))
+        })
     }
 }
 

@@ -3,10 +3,11 @@
 //! After Etiene, Jönsson, Ropinski, Scheidegger, Comba, Nonato, Kirby, Ynnerman and Silva 2014, "Verifying volume rendering using
 //! discretization error analysis": refine one thing at a time, and look at the slope of the error, not at the picture.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use vr_core::cancel::catch_stopped;
 use vr_core::phantom::Phantom;
 use vr_core::{Control, ConvergenceClaim, Frame, Model, RenderError, Scene, StudiedRenderer, View};
 use vr_physics::fit_order_above;
@@ -362,7 +363,7 @@ impl OrderCheck<'_> {
                 Ok::<_, RenderError>((frame, prepared.model(&view)?))
             };
             // A renderer that panics is not used again.
-            match catch_unwind(AssertUnwindSafe(draw)) {
+            match catch_unwind(AssertUnwindSafe(|| catch_stopped(draw))) {
                 Ok(Ok((frame, model))) => {
                     // The sum of a discrete model depends on the step: its limit is the correct pixel.
                     let model = if let Model::Filtered(_) = model { model } else { Model::Canonical };

@@ -2,6 +2,7 @@
 
 use std::io;
 
+use vr_core::cancel::Stopped;
 use vr_core::{GridError, OptionError, RenderError};
 use vr_io::WriteError;
 
@@ -26,4 +27,10 @@ pub enum StudyError {
     /// Failure of a plot.
     #[error("plot: {0}")]
     Plot(String),
+}
+
+impl From<Stopped> for StudyError {
+    fn from(stopped: Stopped) -> Self {
+        RenderError::from(stopped).into()
+    }
 }

@@ -1,8 +1,8 @@
 //! Stability suite: every renderer on every hard case, its error beside the bound that it documents.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use serde::{Deserialize, Serialize};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use vr_core::cancel::catch_stopped;
 use vr_core::{Control, DocumentedError, HardCaseErrors, Model, RenderError, StudiedRenderer};
 use vr_physics::cases::{self, Case};
 use vr_physics::metrics::subgrid;
@@ -120,7 +120,7 @@ fn judge(
     };
     let draw = || renderer.prepare(&case.scene, control)?.render(&case.view, control);
     // A renderer that panics on a case is prepared anew for the next one.
-    let rendered = match catch_unwind(AssertUnwindSafe(draw)) {
+    let rendered = match catch_unwind(AssertUnwindSafe(|| catch_stopped(draw))) {
         Ok(Ok(rendered)) => rendered,
         Ok(Err(RenderError::Cancelled)) => return Err(RenderError::Cancelled),
         Ok(Err(RenderError::Unsupported(refused))) => {

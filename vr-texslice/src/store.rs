@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use vr_core::filter::Lattice;
-use vr_core::{Control, Counts, GradientMethod, GridVolume, RenderError, RenderStats, Scene, View, with_grid};
+use vr_core::{Control, Counts, GradientMethod, GridVolume, RenderError, RenderStats, Scene, View, memory, with_grid};
 use vr_kernels::vector::Operator;
 
 use crate::bricks::{BrickKey, BrickLattice, BrickSource, Pool};
@@ -165,6 +165,7 @@ impl TextureStore {
         }
         // The old one goes first: there may be no room for both.
         self.classified = None;
+        memory::check("the texture of light", Classified::bytes(format, scene, volume))?;
         let new = || control.run(|| Classified::new(format, scene, volume, &made));
         self.classified = Some((Some(made), stats.time("classify", new)));
         Ok(())

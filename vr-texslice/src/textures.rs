@@ -1,7 +1,7 @@
 //! The textures of a volume: made when a view first needs them, kept within a budget.
 
 use vr_core::filter::Lattice;
-use vr_core::{AnyGrid, GridVolume, RenderError, UniformGrid, Voxel, with_grid};
+use vr_core::{AnyGrid, GridVolume, RenderError, UniformGrid, Voxel, memory, with_grid};
 
 use crate::texture_slicer::TextureSlicer;
 
@@ -37,6 +37,7 @@ impl Stacks {
         if (others + 1) * bytes > renderer.bytes() {
             self.turned = [None, None];
         }
+        memory::check("a stack of slices", bytes)?;
         self.turned[axis] = Some(with_grid!(volume.values(), g => turned(g, axes_of_stack(axis)).into()));
         Ok(true)
     }

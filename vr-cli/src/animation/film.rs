@@ -3,8 +3,9 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use vr_core::cancel::catch_stopped;
 use vr_core::{Control, Counts, Frame, Model, ParameterError, Prepared, RenderError, Scene, View};
-use vr_io::{AnimationOptions, PngDepth, PngOptions, WriteError};
+use vr_io::{AnimationOptions, PngDepth, PngOptions};
 use vr_physics::metrics::subgrid;
 use vr_study::figures::ErrorFigures;
 use vr_study::reference::{ReferencePixels, SUBGRID, frame_fingerprint};
@@ -139,7 +140,9 @@ impl Film<'_> {
             let failed = |e| self.failure(e, i, store);
             control.check().map_err(failed)?;
             // Set the scene.
-            let (volume, hash) = volumes.of_frame(i)?;
+            let read = volumes.of_frame(i);
+            let (volume, hash) =
+                read.map_err(|e| if control.is_cancelled() { failed(RenderError::Cancelled) } else { e })?;
             if !volume.same(&scene.volume) {
                 scene.volume = volume.clone();
                 is_changed = true;
@@ -160,23 +163,23 @@ impl Film<'_> {
             }
             // Prepare once; afterwards only what has changed.
             let start = Instant::now();
-            let ready = match &mut prepared {
-                Some(ready) if is_changed => ready.update(&scene, control).map(|()| ready),
+            let made = catch_stopped(|| match prepared.take() {
+                Some(mut ready) if is_changed => ready.update(&scene, control).map(|()| ready),
                 Some(ready) => Ok(ready),
-                None => renderer.prepare(&scene, control).map(|made| prepared.insert(made)),
-            };
-            let ready = ready.map_err(failed)?;
+                None => renderer.prepare(&scene, control),
+            });
+            let ready = prepared.insert(made.map_err(failed)?);
             is_changed = false;
             all.prepare += start.elapsed();
             // Draw and write.
             let start = Instant::now();
-            let rendered = ready.render(&view, control).map_err(failed)?;
+            let rendered = catch_stopped(|| ready.render(&view, control)).map_err(failed)?;
             all.render += start.elapsed();
             store.put(i, made_of.as_deref(), &vr_io::encode_png(&rendered.frame, &png), &rendered.stats.counts)?;
             all.counts += rendered.stats.counts;
             all.drawn += 1;
             if is_measured {
-                let judged = judge((&scene, &view), &rendered.frame, control);
+                let judged = catch_stopped(|| judge((&scene, &view), &rendered.frame, control));
                 all.errors.push((i, judged.map_err(|e| self.failure(e, i + 1, store))?));
             }
             bar.drawn();
@@ -213,9 +216,7 @@ impl Film<'_> {
         let label = format!("writing {}", path.file_name().unwrap_or_default().to_string_lossy());
         let write = |control: &Control| vr_io::write_animation(path, &store.files, &options, control);
         under_bar(console, control, &label, write).map_err(|e| match e {
-            WriteError::Io { source, .. } if source.kind() == std::io::ErrorKind::Interrupted => {
-                self.failure(RenderError::Cancelled, self.shots.len(), store)
-            }
+            _ if control.is_cancelled() => self.failure(RenderError::Cancelled, self.shots.len(), store),
             other => Failure::failed(other),
         })
     }

@@ -16,6 +16,7 @@ mod inputs;
 mod interruption;
 mod labels;
 mod look;
+mod memory;
 mod mesh;
 mod points;
 mod presets;

@@ -9,6 +9,7 @@ use super::error::CellError;
 use super::repair::{CellRepairs, sound_cells};
 use super::vertex_gradients::vertex_gradients;
 use crate::box_tree::{Bounds, BoxTree};
+use crate::cancel;
 use crate::derived::Derived;
 use crate::limits::{MAX_COORDINATE, MAX_STEPS_AWAY, is_length};
 
@@ -183,7 +184,12 @@ impl CellMesh {
     pub fn gradients(&self) -> Option<&[DVec3]> {
         match &self.values {
             CellValues::Vertices(values) => {
-                Some(self.gradients.get_or_init(|| vertex_gradients(&self.vertices, &self.cells, values)))
+                Some(self.gradients.get_or_init(|| {
+                    // Beside them, the sums over the cells around each vertex, and the volumes of these.
+                    let bytes = self.vertices.len() * (2 * size_of::<DVec3>() + size_of::<f64>());
+                    cancel::claim("the gradients at vertices", bytes as u64);
+                    vertex_gradients(&self.vertices, &self.cells, values)
+                }))
             }
             CellValues::Cells(_) => None,
         }

@@ -1,5 +1,7 @@
 //! Errors of labels and their styles.
 
+use crate::memory::MemoryError;
+
 /// The reason why voxels are no labels, or why labels cannot be drawn beside a volume.
 ///
 /// # Examples
@@ -16,6 +18,9 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LabelError {
+    /// Too little memory for the ranks of labels.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
     /// A value that is no whole number.
     #[error(
         "voxel ({}, {}, {}) has the value {found}: labels are whole numbers from -2147483648 to 2147483647",

@@ -1,18 +1,25 @@
 //! Labels on a lattice.
 
-use std::sync::Arc;
+use std::collections::{BTreeMap, BTreeSet};
+use std::iter::repeat_n;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 
 use super::error::LabelError;
 use crate::any_grid::AnyGrid;
 use crate::grid::UniformGrid;
+use crate::memory;
+use crate::parallel::{each_part, locked, try_collect};
 use crate::placement::Placement;
 use crate::voxel::Voxel;
 use crate::with_grid;
 
 /// Largest number of different labels: ranks are kept in 16 bits.
 const MAX_LABELS: usize = 1 << 16;
+
+/// Voxels that a thread takes at once: some milliseconds of work.
+const PART: usize = 1 << 20;
 
 /// Labels at the voxels of a lattice: whole numbers, of which 0 is the background. Cloning is cheap: the voxels are shared.
 ///
@@ -72,41 +79,64 @@ impl LabelMap {
             let index = [i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1])];
             Err(LabelError::Value { index, found })
         };
-        let (samples, label) = (grid.samples(), &label);
-        Self::of_labels(dims, *grid.placement(), || samples.iter().enumerate().map(move |(i, &s)| label(i, s)))
+        let samples = grid.samples();
+        Self::of_labels(dims, *grid.placement(), |i| label(i, samples[i]))
     }
 
-    /// The map of labels in order, which are asked for twice.
-    fn of_labels<I: Iterator<Item = Result<i32, LabelError>>>(
+    /// The map of the labels of voxels, each of which is asked for twice.
+    fn of_labels(
         dims: [usize; 3],
         placement: Placement,
-        voxels: impl Fn() -> I,
+        label: impl Fn(usize) -> Result<i32, LabelError> + Sync,
     ) -> Result<Self, LabelError> {
-        // List the labels; neighbours mostly have the same one.
-        let mut seen = std::collections::BTreeSet::from([0]);
-        let mut last = 0;
-        for label in voxels() {
-            let label = label?;
-            if label != last && seen.insert(label) && seen.len() > MAX_LABELS {
-                return Err(LabelError::TooMany { limit: MAX_LABELS });
+        let count: usize = dims.iter().product();
+        let too_many = LabelError::TooMany { limit: MAX_LABELS };
+        // List the labels of each part; neighbours mostly have the same one.
+        let seen = try_collect(count.div_ceil(PART), |part| {
+            let mut seen = BTreeSet::from([0]);
+            let mut last = 0;
+            for i in part * PART..count.min((part + 1) * PART) {
+                let label = label(i)?;
+                if label != last && seen.insert(label) && seen.len() > MAX_LABELS {
+                    return Err(too_many.clone());
+                }
+                last = label;
             }
-            last = label;
+            Ok(seen)
+        })?;
+        let mut all = BTreeSet::from([0]);
+        for seen in seen {
+            all.extend(seen);
+            if all.len() > MAX_LABELS {
+                return Err(too_many);
+            }
         }
-        let labels: Vec<i32> = seen.into_iter().collect();
-        // Rank the voxels, and count them.
+        let labels: Vec<i32> = all.into_iter().collect();
+        // Rank the voxels where they stay, and count them.
+        memory::check("the ranks of labels", (count * size_of::<u16>()) as u64)?;
         let background = rank_of(&labels, 0);
-        let mut counts = vec![0; labels.len()];
-        let mut ranks = Vec::with_capacity(dims.iter().product());
-        let mut last = (0, background);
-        for label in voxels() {
-            let label = label?;
-            if label != last.0 {
-                last = (label, rank_of(&labels, label));
+        let mut ranks: Arc<[u16]> = repeat_n(background, count).collect();
+        let counts = Mutex::new(vec![0; labels.len()]);
+        let places = Arc::get_mut(&mut ranks).expect("it has one owner so far");
+        each_part(places.chunks_mut(PART), |part, ranks| {
+            let mut counted = BTreeMap::<u16, usize>::new();
+            let (mut last, mut run) = ((0, background), 0);
+            for (i, rank) in ranks.iter_mut().enumerate() {
+                // Each has had its label a moment ago.
+                let label = label(part * PART + i).unwrap_or_default();
+                if label != last.0 {
+                    *counted.entry(last.1).or_default() += run;
+                    (last, run) = ((label, rank_of(&labels, label)), 0);
+                }
+                *rank = last.1;
+                run += 1;
             }
-            counts[usize::from(last.1)] += 1;
-            ranks.push(last.1);
-        }
-        Ok(Self { dims, placement, labels, counts, background, ranks: ranks.into() })
+            *counted.entry(last.1).or_default() += run;
+            let mut counts = locked(&counts);
+            counted.iter().for_each(|(&rank, n)| counts[usize::from(rank)] += n);
+        });
+        let counts = counts.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok(Self { dims, placement, labels, counts, background, ranks })
     }
 
     /// The labels that `label` makes of those of this map and of another one on a lattice of the same size, voxel by voxel.
@@ -116,11 +146,10 @@ impl LabelMap {
     ///
     /// # Panics
     /// Panics if the lattices have different sizes.
-    pub fn combined(&self, other: &Self, label: impl Fn(i32, i32) -> i32) -> Result<Self, LabelError> {
+    pub fn combined(&self, other: &Self, label: impl Fn(i32, i32) -> i32 + Sync) -> Result<Self, LabelError> {
         assert_eq!(self.dims, other.dims, "two maps of one lattice");
-        let voxels = self.ranks.iter().zip(other.ranks.iter());
-        let voxels = voxels.map(|(&a, &b)| label(self.labels[usize::from(a)], other.labels[usize::from(b)]));
-        Self::of_labels(self.dims, self.placement, || voxels.clone().map(Ok))
+        let own = |map: &Self, i: usize| map.labels[usize::from(map.ranks[i])];
+        Self::of_labels(self.dims, self.placement, |i| Ok(label(own(self, i), own(other, i))))
     }
 
     /// Voxels along x, y and z.

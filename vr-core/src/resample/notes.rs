@@ -1,15 +1,14 @@
 //! Report of a resampling, in words.
 
 use super::run::{Correction, Resampled};
+use crate::number_text::number_text;
 use crate::resample::Integral;
 
 impl Resampled {
     /// Describes the steps taken and the error of each, one note a line.
     pub fn notes(&self) -> Vec<String> {
-        // Single precision has the digits that people read.
-        let short = |x: f64| x as f32;
         let times = |dims: [String; 3]| dims.join("×");
-        let spacing = self.grid.placement().spacing().to_array().map(|s| short(s).to_string()).join(" ");
+        let spacing = self.grid.placement().spacing().to_array().map(number_text).join(" ");
         let vacuum = match self.vacuum {
             0 => "none is vacuum".to_owned(),
             _ => format!("{:.1} % of them are vacuum", 100.0 * self.vacuum_share()),
@@ -25,14 +24,14 @@ impl Resampled {
         }
         let Integral { value, is_exact, .. } = self.before;
         let how = if is_exact { "" } else { ", estimated" };
-        let (before, after, error) = (short(value), short(self.after.value), self.integral_error());
+        let (before, after, error) = (number_text(value), number_text(self.after.value), self.integral_error());
         notes.push(format!("resampled: the integral was {before}{how}, and is {after}: off by {error:.1e} of it"));
         match self.correction {
             Some(Correction::Factor(factor)) => {
                 notes.push(format!("resampled: every voxel times {factor:.6}, to conserve the integral"));
             }
             Some(Correction::Shift(shift)) => {
-                let shift = short(shift);
+                let shift = number_text(shift);
                 notes.push(format!(
                     "resampled: every voxel plus {shift}, to conserve the integral of values of both signs"
                 ));

@@ -4,12 +4,12 @@
 //! (the patient's among them) are passed over unread.
 
 use std::borrow::Cow;
-use std::fs::File;
 use std::io::{self, BufReader, Read};
 
 use super::element_header::{ElementHeader, Headers, ItemHeader, ValueType};
 use super::tags::{self, Tag};
 use crate::error::{FieldError, FileErrorKind};
+use crate::regular_file::RegularFile;
 
 /// Sequences within sequences; real files have four.
 const MAX_DEPTH: usize = 32;
@@ -124,13 +124,13 @@ pub(super) trait Skip: Read {
     fn skip(&mut self, bytes: u64) -> io::Result<()>;
 }
 
-impl Skip for &mut BufReader<File> {
+impl Skip for &mut BufReader<RegularFile> {
     fn skip(&mut self, bytes: u64) -> io::Result<()> {
         (**self).skip(bytes)
     }
 }
 
-impl Skip for BufReader<File> {
+impl Skip for BufReader<RegularFile> {
     fn skip(&mut self, bytes: u64) -> io::Result<()> {
         self.seek_relative(i64::try_from(bytes).map_err(io::Error::other)?)
     }

@@ -18,7 +18,7 @@ pub(super) struct Fragment {
 /// The fragments of each frame.
 pub(super) fn frames(path: &Path, offset: u64, count: usize) -> Result<Vec<Vec<Fragment>>, FileErrorKind> {
     let file = regular_file::open(path)?;
-    let end = file.metadata()?.len();
+    let end = file.length()?;
     let mut source = BufReader::new(file);
     source.seek(SeekFrom::Start(offset))?;
     let cut_off = |at: u64| {

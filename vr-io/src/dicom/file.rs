@@ -1,6 +1,5 @@
 //! One file: preamble, meta information, and the data set up to the voxels (DICOM PS3.10 2024, section 7).
 
-use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
@@ -11,7 +10,7 @@ use super::elements::{DataSetReader, Elements, Forward, PixelElement};
 use super::tags;
 use super::transfer_syntax::TransferSyntax;
 use crate::error::{FileError, FileErrorKind};
-use crate::regular_file;
+use crate::regular_file::{self, RegularFile};
 
 /// Bytes before the prefix, of any content.
 const PREAMBLE: usize = 128;
@@ -46,7 +45,7 @@ impl DicomFile {
         let in_file = |e: FileErrorKind| FileError::new(path, e);
         let io = |e: io::Error| FileError::new(path, e);
         let file = regular_file::open(path).map_err(io)?;
-        let length = file.metadata().map_err(io)?.len();
+        let length = file.length().map_err(io)?;
         let mut source = BufReader::new(file);
         let mut head = Vec::new();
         source.by_ref().take((PREAMBLE + PREFIX.len()) as u64).read_to_end(&mut head).map_err(io)?;
@@ -64,7 +63,7 @@ impl DicomFile {
 
     fn read(
         path: &Path,
-        mut source: BufReader<File>,
+        mut source: BufReader<RegularFile>,
         syntax: TransferSyntax,
         start: u64,
         length: u64,
@@ -81,7 +80,7 @@ impl DicomFile {
 }
 
 /// Reads group 0002, which is explicit little endian in every file; gives the transfer syntax and the offset of what follows.
-fn read_meta(source: &mut BufReader<File>, length: u64) -> Result<(TransferSyntax, u64), FileErrorKind> {
+fn read_meta(source: &mut BufReader<RegularFile>, length: u64) -> Result<(TransferSyntax, u64), FileErrorKind> {
     let mut start = (PREAMBLE + PREFIX.len()) as u64;
     let mut uid = None;
     loop {
@@ -105,7 +104,7 @@ fn read_meta(source: &mut BufReader<File>, length: u64) -> Result<(TransferSynta
 }
 
 fn read_meta_element(
-    source: &mut BufReader<File>,
+    source: &mut BufReader<RegularFile>,
     start: u64,
     length: u64,
 ) -> Result<(u64, Option<String>), FileErrorKind> {

@@ -32,6 +32,7 @@ use std::path::Path;
 
 use crate::error::{FieldError, FileError};
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::Notes;
 use crate::read::{Description, ReadOptions, Scan};
 
 use file::DicomFile;
@@ -42,7 +43,7 @@ use transfer_syntax::FrameCoding;
 
 /// Describes the volume of the headers.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     let files = files(path, options, &mut notes)?;
     let header = files[0].path.clone();
     let modality = series::modality(&files[0].elements);

@@ -15,6 +15,7 @@ use super::{jpeg, jpeg_ls, rle};
 use crate::encoding::Encoding;
 use crate::error::{FileError, FileErrorKind};
 use crate::payload::{Payload, Segment, Skip};
+use crate::polled::Polled;
 use crate::regular_file;
 use crate::scalar::{Endian, ScalarType};
 use crate::source::{Decoded, Source};
@@ -141,7 +142,7 @@ fn inflate(image: &Image) -> Result<Vec<u8>, FileErrorKind> {
     let damaged = |source: io::Error| FileErrorKind::Damaged { encoding: "deflate", source };
     let mut file = regular_file::open(&image.path)?;
     file.seek(SeekFrom::Start(image.start))?;
-    let mut inflated = DeflateDecoder::new(BufReader::new(file));
+    let mut inflated = Polled::new(DeflateDecoder::new(BufReader::new(file)));
     io::copy(&mut inflated.by_ref().take(image.pixels.offset), &mut io::sink()).map_err(damaged)?;
     let claimed = image.shape.frame_bytes().saturating_mul(image.frames.len() as u64);
     let mut out = Vec::new();

@@ -9,6 +9,7 @@ use vr_core::Placement;
 use super::image::Frame;
 use super::tags;
 use crate::error::{FieldError, FileErrorKind};
+use crate::notes::{Assumption, Notes};
 use crate::world::Space;
 
 /// Deviation of a gap from the others, and of a slice from the line of the others, in gaps: above what positions rounded to 0.01 mm make of
@@ -30,7 +31,7 @@ pub(super) struct Stack {
 
 impl Stack {
     /// Sorts slices; `numbered` is true where they come from several files, whose numbers then count if there are no positions.
-    pub fn new(frames: &[&Frame], numbered: bool, notes: &mut Vec<String>) -> Result<Self, FileErrorKind> {
+    pub fn new(frames: &[&Frame], numbered: bool, notes: &mut Notes) -> Result<Self, FileErrorKind> {
         if frames.len() < 2 {
             let allowed = "a volume has 2 slices or more";
             return Err(FileErrorKind::field("slices", format_args!("{} image", frames.len()), allowed));
@@ -59,7 +60,7 @@ struct Placed<'a> {
     frame: &'a Frame,
 }
 
-fn placed_stack(frames: &[&Frame], notes: &mut Vec<String>) -> Result<Stack, FileErrorKind> {
+fn placed_stack(frames: &[&Frame], notes: &mut Notes) -> Result<Stack, FileErrorKind> {
     let [row, column] = one_orientation(frames)?;
     let normal = row.cross(column).normalize();
     let mut slices: Vec<Placed<'_>> = frames
@@ -194,9 +195,9 @@ fn rounded(x: f64) -> f64 {
 }
 
 /// Distances between rows and between columns, the same in all slices.
-fn pixel_spacing(frames: &[&Frame], notes: &mut Vec<String>) -> Result<[f64; 2], FieldError> {
+fn pixel_spacing(frames: &[&Frame], notes: &mut Notes) -> Result<[f64; 2], FieldError> {
     let Some(first) = frames[0].spacing else {
-        notes.push("no PixelSpacing: 1, 1 is assumed".into());
+        notes.assume(Assumption::Spacing, "no PixelSpacing: 1, 1 is assumed");
         return Ok([1.0; 2]);
     };
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-3 * b;
@@ -213,7 +214,7 @@ fn pixel_spacing(frames: &[&Frame], notes: &mut Vec<String>) -> Result<[f64; 2],
 }
 
 /// A stack of which nothing tells where it lies: in its own frame, in the order of the file or of the numbers of its images.
-fn unplaced(frames: &[&Frame], numbered: bool, notes: &mut Vec<String>) -> Result<Stack, FileErrorKind> {
+fn unplaced(frames: &[&Frame], numbered: bool, notes: &mut Notes) -> Result<Stack, FileErrorKind> {
     let mut order: Vec<usize> = (0..frames.len()).collect();
     if numbered {
         order.sort_by_key(|&i| frames[i].order[2]);
@@ -236,7 +237,7 @@ fn unplaced(frames: &[&Frame], numbered: bool, notes: &mut Vec<String>) -> Resul
             thickness
         }
         _ => {
-            notes.push("no distance between slices: 1 is assumed".into());
+            notes.assume(Assumption::Spacing, "no distance between slices: 1 is assumed");
             1.0
         }
     };
@@ -265,8 +266,8 @@ mod tests {
     }
 
     fn stack(frames: &[Frame]) -> (Result<Stack, FileErrorKind>, Vec<String>) {
-        let mut notes = Vec::new();
-        (Stack::new(&frames.iter().collect::<Vec<_>>(), true, &mut notes), notes)
+        let mut notes = Notes::default();
+        (Stack::new(&frames.iter().collect::<Vec<_>>(), true, &mut notes), notes.into_lines())
     }
 
     #[test]

@@ -6,8 +6,8 @@ mod segments;
 
 use std::path::{Path, PathBuf};
 
+use vr_core::Volume;
 use vr_core::labels::LabelMap;
-use vr_core::{Volume, memory};
 
 use crate::error::{FieldError, FileError};
 use crate::read::{FileInfo, Loaded, ReadOptions, each_once, read};
@@ -77,10 +77,5 @@ fn label_map(path: &Path, volume: &Volume) -> Result<LabelMap, FileError> {
     let grid = volume
         .grid()
         .ok_or_else(|| FieldError::new("labels", volume.kind(), "must be voxels: a grid").in_file(path))?;
-    let voxels = grid.dims().iter().map(|&n| n as u64).product::<u64>();
-    memory::check("the labels", voxels.saturating_mul(BYTES_PER_VOXEL)).map_err(|e| FileError::new(path, e))?;
     LabelMap::new(grid.values()).map_err(|e| FileError::new(path, e))
 }
-
-/// Memory of a voxel's label while a map is made: its rank, twice.
-const BYTES_PER_VOXEL: u64 = 4;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::error::{FieldError, FileError};
+use crate::error::{FieldError, FileError, shown_path};
 use crate::header_text::HeaderText;
 
 #[derive(Debug, Default)]
@@ -106,7 +106,7 @@ impl Header {
     /// The data files after `ElementDataFile = LIST`, or the one that a line of the header's own file names.
     pub fn listed_files(&self, path: &Path) -> Result<&[String], FieldError> {
         if self.listed_files.is_empty() {
-            let found = format!("LIST and no names in {}", path.display());
+            let found = format!("LIST and no names in {}", shown_path(path));
             return Err(FieldError::new(LAST_KEY, found, "must be followed by one file name a line"));
         }
         Ok(&self.listed_files)

@@ -14,6 +14,7 @@ use crate::encoding::Encoding;
 use crate::error::{FieldError, FileError};
 use crate::file_pattern::expand;
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::{Assumption, Notes};
 use crate::payload::{Payload, Segment, Skip};
 use crate::read::{Description, ReadOptions};
 use crate::scalar::{Endian, ScalarType};
@@ -25,7 +26,7 @@ use header::Header;
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let header = Header::read(path)?;
     let in_file = |e: FieldError| e.in_file(path);
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
 
     if let Some(kind) = header.get("ObjectType").filter(|k| !k.eq_ignore_ascii_case("Image")) {
         return Err(in_file(FieldError::new("ObjectType", kind, "must be Image")));
@@ -110,7 +111,7 @@ struct Frame {
 }
 
 impl Frame {
-    fn new(header: &Header, notes: &mut Vec<String>) -> Result<Self, FieldError> {
+    fn new(header: &Header, notes: &mut Notes) -> Result<Self, FieldError> {
         let n = header.dimension()?;
         let spacing = match header.numbers(&["ElementSpacing"], n)? {
             Some(s) => Some(s),
@@ -135,7 +136,7 @@ impl Frame {
             (DMat3::IDENTITY, if known { "ElementSpacing" } else { "assumed" })
         };
         if !known {
-            notes.push("no ElementSpacing in the header: 1, 1, 1 is assumed".into());
+            notes.assume(Assumption::Spacing, "no ElementSpacing in the header: 1, 1, 1 is assumed");
         }
         let patient = matrix.is_some() || offset.is_some() || letters.is_some();
         Ok(Self {
@@ -214,7 +215,7 @@ mod tests {
 
     fn frame(fields: &str) -> Result<Frame, FieldError> {
         let text = format!("NDims = 3\n{fields}\nElementDataFile = x\n");
-        Frame::new(&Header::parse(text.as_bytes()).unwrap(), &mut Vec::new())
+        Frame::new(&Header::parse(text.as_bytes()).unwrap(), &mut Notes::default())
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use crate::error::FieldError;
+use crate::notes::{Assumption, Notes};
 
 use super::header::Header;
 
@@ -14,7 +15,7 @@ pub(super) struct Placed {
     pub by: &'static str,
 }
 
-pub(super) fn place(header: &Header, notes: &mut Vec<String>) -> Result<Placed, FieldError> {
+pub(super) fn place(header: &Header, notes: &mut Notes) -> Result<Placed, FieldError> {
     let known = header.lengths != [0.0; 3];
     let steps = if known {
         let edges = edges(header.lengths, angles(header, notes))?;
@@ -28,7 +29,7 @@ pub(super) fn place(header: &Header, notes: &mut Vec<String>) -> Result<Placed, 
         }
         steps
     } else {
-        notes.push("no lengths of the cell in the header: 1, 1, 1 is assumed between voxels".into());
+        notes.assume(Assumption::Spacing, "no lengths of the cell in the header: 1, 1, 1 is assumed between voxels");
         DMat3::IDENTITY
     };
     let [columns, rows, sections] = header.axes.map(|axis| steps.col(axis));

@@ -14,6 +14,7 @@ use vr_core::Calibration;
 use crate::error::{FieldError, FileError};
 use crate::float16;
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::Notes;
 use crate::packed::Packed;
 use crate::payload::{Payload, Segment, Skip};
 use crate::read::{Description, ReadOptions};
@@ -33,7 +34,7 @@ pub(crate) fn is_mrc(head: &[u8]) -> bool {
 /// Describes the volume of a header.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let in_file = |e: FieldError| e.in_file(path);
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     let packed = Packed::new(path)?;
     let header = Header::parse(&packed.head(header::LENGTH)?, &mut notes).map_err(in_file)?;
     let mode = Mode::new(&header, &mut notes).map_err(in_file)?;
@@ -173,7 +174,7 @@ mod tests {
         let Description { source, layout, placement, mut notes, .. } =
             describe(&path, &options).map_err(|e| e.to_string())?;
         let voxels = source.load(&path, &layout, &options, &mut notes).map_err(|e| e.to_string())?;
-        Ok((placement, voxels, layout.dims, notes))
+        Ok((placement, voxels, layout.dims, notes.into_lines()))
     }
 
     fn plain(file: &[u8]) -> Read {

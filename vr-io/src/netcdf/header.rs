@@ -46,7 +46,7 @@ struct Dimension {
 impl Header {
     pub fn read(path: &Path) -> Result<Self, FileErrorKind> {
         let file = regular_file::open(path)?;
-        let length = file.metadata()?.len();
+        let length = file.length()?;
         Self::parse(BufReader::new(file), length)
     }
 

@@ -66,7 +66,7 @@ impl Classic {
         count: &[usize],
     ) -> Result<Vec<u8>, FileErrorKind> {
         let mut file = regular_file::open(&self.path)?;
-        let length = file.metadata()?.len();
+        let length = file.length()?;
         let claimed = count.iter().fold(variable.scalar.bytes() as u64, |n, &c| n.saturating_mul(c as u64));
         // Nothing is allocated for more than there is.
         let end = place.end(variable, start, count);

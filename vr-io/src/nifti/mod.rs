@@ -11,6 +11,7 @@ use vr_core::Calibration;
 use crate::encoding::Encoding;
 use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::Notes;
 use crate::payload::{Payload, Segment, Skip};
 use crate::read::{Description, ReadOptions};
 use crate::regular_file;
@@ -27,7 +28,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     let in_file = |e: FieldError| e.in_file(path);
     let (head, encoding) = read_head(path)?;
     let header = Header::parse(&head).map_err(in_file)?;
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
 
     let (scalar, channels) = data_type(header.datatype).map_err(in_file)?;
     let mut axes = vec![Axis { size: channels, role: if channels > 1 { Role::Color } else { Role::Component } }];

@@ -15,6 +15,7 @@ use vr_core::{Calibration, Placement};
 use crate::error::{FileError, FileErrorKind};
 use crate::float16;
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::{Assumption, Notes};
 use crate::packed::Packed;
 use crate::payload::{Payload, Segment, Skip};
 use crate::read::{Description, ReadOptions};
@@ -61,10 +62,9 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         Layout::new(path, &axes, options)?
     };
     let placement = Placement::from_spacing([1.0; 3]).map_err(|e| FileError::new(path, e))?;
-    let mut notes = vec![
-        format!("NumPy arrays do not name their axes: {} is assumed", names(roles)),
-        "NumPy arrays state no spacing: 1, 1, 1 is assumed".to_owned(),
-    ];
+    let order = format!("NumPy arrays do not name their axes: {} is assumed", names(roles));
+    let mut notes = Notes::from(vec![order]);
+    notes.assume(Assumption::Spacing, "NumPy arrays state no spacing: 1, 1, 1 is assumed");
 
     let skip = Skip::Bytes(header.length as u64);
     let payload = Payload {

@@ -7,6 +7,7 @@ use vr_core::Placement;
 
 use crate::error::{FieldError, FileError};
 use crate::layout::{Axis, Role};
+use crate::notes::{Assumption, Notes};
 use crate::world::Space;
 
 use super::header::Header;
@@ -18,7 +19,7 @@ pub(super) struct World {
     pub units: Option<String>,
 }
 
-pub(super) fn world(path: &Path, header: &Header, axes: &[Axis], notes: &mut Vec<String>) -> Result<World, FileError> {
+pub(super) fn world(path: &Path, header: &Header, axes: &[Axis], notes: &mut Notes) -> Result<World, FileError> {
     let in_file = |e: FieldError| e.in_file(path);
     let space = space(header).map_err(in_file)?;
     let has_directions = header.get("space directions").is_some();
@@ -58,13 +59,7 @@ fn space(header: &Header) -> Result<Space, FieldError> {
 }
 
 /// Places voxels by space directions: the world vectors from voxel to voxel.
-fn oriented(
-    path: &Path,
-    header: &Header,
-    axes: &[Axis],
-    space: Space,
-    notes: &mut Vec<String>,
-) -> Result<World, FileError> {
+fn oriented(path: &Path, header: &Header, axes: &[Axis], space: Space, notes: &mut Notes) -> Result<World, FileError> {
     let in_file = |e: FieldError| e.in_file(path);
     // One number for each axis of the world; a fourth one is time.
     let in_space = |field: &str, v: &[f64]| match *v {
@@ -90,7 +85,7 @@ fn oriented(
             return Err(in_file(FieldError::new("space origin", found, "must be one vector like (0,0,0)")));
         }
         None => {
-            notes.push("no space origin: 0, 0, 0 is assumed".into());
+            notes.assume(Assumption::Origin, "no space origin: 0, 0, 0 is assumed");
             DVec3::ZERO
         }
     };
@@ -104,7 +99,7 @@ fn oriented(
 }
 
 /// Places voxels by spacings (or axis mins and maxs), along the axes of the file's own frame.
-fn spaced(path: &Path, header: &Header, axes: &[Axis], notes: &mut Vec<String>) -> Result<World, FileError> {
+fn spaced(path: &Path, header: &Header, axes: &[Axis], notes: &mut Notes) -> Result<World, FileError> {
     let in_file = |e: FieldError| e.in_file(path);
     // Read the numbers of the three axes of space.
     let n = axes.len();
@@ -133,7 +128,7 @@ fn spaced(path: &Path, header: &Header, axes: &[Axis], notes: &mut Vec<String>) 
             (std::array::from_fn(|a| (high[a] - low[a]) / steps(a)), "axis mins and maxs")
         }
         _ => {
-            notes.push("no spacing in the header: 1, 1, 1 is assumed".into());
+            notes.assume(Assumption::Spacing, "no spacing in the header: 1, 1, 1 is assumed");
             ([1.0; 3], "assumed")
         }
     };
@@ -204,7 +199,7 @@ mod tests {
     fn place(fields: &str) -> Result<World, FileError> {
         let h = Header::parse(format!("NRRD0005\ndimension: 3\nsizes: 5 6 7\n{fields}").as_bytes()).unwrap();
         let axes = [5, 6, 7].map(|size| Axis { size, role: Role::Space });
-        world(Path::new("x.nrrd"), &h, &axes, &mut Vec::new())
+        world(Path::new("x.nrrd"), &h, &axes, &mut Notes::default())
     }
 
     #[test]

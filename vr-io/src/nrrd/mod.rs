@@ -10,8 +10,9 @@ use std::path::Path;
 
 use vr_core::Calibration;
 
-use crate::error::{FieldError, FileError};
+use crate::error::{FieldError, FileError, shown};
 use crate::layout::Layout;
+use crate::notes::Notes;
 use crate::read::{Description, ReadOptions, file_head};
 use crate::scalar::ScalarType;
 
@@ -25,10 +26,11 @@ pub(crate) const INTERCEPT_KEY: &str = "vr intercept";
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let header = Header::read(path)?;
     let in_file = |e: FieldError| e.in_file(path);
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     let unknown = header.unknown_fields();
     if !unknown.is_empty() {
-        notes.push(format!("unknown fields are left aside: {}", unknown.join(", ")));
+        let names: Vec<String> = unknown.iter().map(|name| shown(name)).collect();
+        notes.push(format!("unknown fields are left aside: {}", names.join(", ")));
     }
     let sizes = header.sizes().map_err(in_file)?;
     let scalar = scalar_type(header.required("type").map_err(in_file)?).map_err(in_file)?;

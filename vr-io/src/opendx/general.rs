@@ -8,9 +8,10 @@ use glam::{DMat3, DVec3};
 use vr_core::{Calibration, Placement};
 
 use crate::encoding::Encoding;
-use crate::error::{FieldError, FileError, FileErrorKind};
+use crate::error::{FieldError, FileError, FileErrorKind, shown_path};
 use crate::header_text::HeaderText;
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::Notes;
 use crate::payload::{Payload, Segment, Skip};
 use crate::read::{Description, ReadOptions, file_head};
 use crate::regular_file;
@@ -23,7 +24,7 @@ use super::keyword::{Form, TYPES, scalar_type};
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let in_file = |e: FieldError| e.in_file(path);
     let header = Header::read(path)?;
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     header.check_unread().map_err(in_file)?;
     let form = header.form().map_err(in_file)?;
     let values = header.values().map_err(in_file)?;
@@ -343,7 +344,7 @@ fn after_marker(header: &Path, data: &Path, marker: &[u8]) -> Result<u64, FileEr
     match found.flatten() {
         Some(at) => Ok((at + marker.len()) as u64),
         None => {
-            let allowed = format!("must be text in the first {SEARCHED} bytes of {}", data.display());
+            let allowed = format!("must be text in the first {SEARCHED} bytes of {}", shown_path(data));
             Err(FieldError::new("header marker", String::from_utf8_lossy(marker), allowed).in_file(header))
         }
     }

@@ -10,6 +10,7 @@ use crate::decode::with_scalar;
 use crate::encoding::invalid;
 use crate::error::{FieldError, FileError, FileErrorKind, shown};
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::Notes;
 use crate::packed::Packed;
 use crate::payload::{Payload, Segment, Skip};
 use crate::read::{Description, ReadOptions};
@@ -22,7 +23,7 @@ use super::objects::{Fault, Objects, Place};
 /// Describes the volume of a header.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let in_file = |e: FieldError| e.in_file(path);
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     let packed = Packed::new(path)?;
     let objects = Objects::read(BufReader::new(packed.reader()?)).map_err(|fault| match fault {
         Fault::Field(e) => in_file(e),

@@ -1,6 +1,5 @@
 //! Pictures of integers, encoded for a screen: PNG, JPEG, TIFF, BMP and PNM.
 
-use std::fs::File;
 use std::io::BufReader;
 
 use image::error::{ImageError, LimitErrorKind};
@@ -11,10 +10,11 @@ use vr_core::transfer::srgb_to_linear;
 use super::error::PictureError;
 use super::{BYTES_PER_BYTE, MAX_PIXELS, Origin, Picture, SampleKind};
 use crate::png::Encode;
+use crate::regular_file::RegularFile;
 use crate::tiff::first_directory;
 
 /// Reads a picture whose first bytes are not those of EXR.
-pub(super) fn read(origin: Origin<'_>, file: BufReader<File>, encode: Encode) -> Result<Picture, PictureError> {
+pub(super) fn read(origin: Origin<'_>, file: BufReader<RegularFile>, encode: Encode) -> Result<Picture, PictureError> {
     let path = origin.path;
     let (format, image) = decode(origin, file)?;
     let color = image.color();
@@ -36,7 +36,7 @@ pub(super) fn read(origin: Origin<'_>, file: BufReader<File>, encode: Encode) ->
 /// Decodes a picture whose first bytes are not those of EXR; returns the name of its format, too.
 pub(super) fn decode(
     origin: Origin<'_>,
-    mut file: BufReader<File>,
+    mut file: BufReader<RegularFile>,
 ) -> Result<(&'static str, DynamicImage), PictureError> {
     let path = origin.path;
     if let Some(fault) =

@@ -4,12 +4,14 @@ use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::error::{on_one_line, shown_path};
+
 /// The reason why a file gives no picture. Every message is one line that names the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PictureError {
     /// The file cannot be opened or read.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", shown_path(path))]
     Io {
         /// The file.
         path: PathBuf,
@@ -17,13 +19,13 @@ pub enum PictureError {
         source: io::Error,
     },
     /// A format that is not read.
-    #[error("{}: no picture that can be read; supported are EXR, PNG, JPEG, TIFF, BMP and PNM", path.display())]
+    #[error("{}: no picture that can be read; supported are EXR, PNG, JPEG, TIFF, BMP and PNM", shown_path(path))]
     Unrecognised {
         /// The file.
         path: PathBuf,
     },
     /// A sound file that holds what is not read: deep data, say.
-    #[error("{}: {format}: not supported: {message}", path.display())]
+    #[error("{}: {format}: not supported: {message}", shown_path(path))]
     Unsupported {
         /// The file.
         path: PathBuf,
@@ -33,7 +35,7 @@ pub enum PictureError {
         message: String,
     },
     /// A file that is damaged or cut off.
-    #[error("{}: {format}: damaged: {message}", path.display())]
+    #[error("{}: {format}: damaged: {message}", shown_path(path))]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -45,7 +47,7 @@ pub enum PictureError {
     /// A size that no picture of this file can have.
     #[error(
         "{}: size: found {}x{} pixels in a file of {length} bytes; at least one, at most {} and no more than such a file holds",
-        path.display(), size[0], size[1], super::MAX_PIXELS
+        shown_path(path), size[0], size[1], super::MAX_PIXELS
     )]
     Size {
         /// The file.
@@ -56,7 +58,7 @@ pub enum PictureError {
         length: u64,
     },
     /// An EXR file without colours.
-    #[error("{}: channels: found {found}; R, G and B or Y are needed", path.display())]
+    #[error("{}: channels: found {found}; R, G and B or Y are needed", shown_path(path))]
     Channels {
         /// The file.
         path: PathBuf,
@@ -78,5 +80,5 @@ impl PictureError {
 /// A library's message on one line, without control characters (it may quote the file).
 fn one_line(message: &str) -> String {
     let words: Vec<&str> = message.split_whitespace().collect();
-    words.join(" ").chars().flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] }).collect()
+    on_one_line(&words.join(" ")).into_owned()
 }

@@ -2,7 +2,6 @@
 //!
 //! Only the channels that make up the picture are kept: a file of a film renderer may hold fifty.
 
-use std::fs::File;
 use std::io::BufReader;
 
 use exr::block::UncompressedBlock;
@@ -18,6 +17,7 @@ use vr_core::Frame;
 
 use super::error::PictureError;
 use super::{BYTES_PER_BYTE, MAX_PIXELS, Origin, Picture, SampleKind};
+use crate::regular_file::RegularFile;
 
 const FORMAT: &str = "EXR";
 
@@ -25,7 +25,7 @@ const FORMAT: &str = "EXR";
 const DWA_BYTES_PER_BYTE: u64 = 64 * BYTES_PER_BYTE;
 
 /// Reads a file whose first bytes are those of EXR.
-pub(super) fn read(origin: Origin<'_>, file: BufReader<File>) -> Result<Picture, PictureError> {
+pub(super) fn read(origin: Origin<'_>, file: BufReader<RegularFile>) -> Result<Picture, PictureError> {
     let path = origin.path;
     let refuse = |error| match error {
         Error::Io(source) => PictureError::Io { path: path.into(), source },

@@ -5,14 +5,13 @@ mod error;
 mod exr;
 mod stored;
 
-use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
 use vr_core::Frame;
 
 use crate::png::Encode;
-use crate::regular_file;
+use crate::regular_file::{self, RegularFile};
 
 pub use error::PictureError;
 pub use stored::StoredPixels;
@@ -76,14 +75,14 @@ pub fn read_picture(path: impl AsRef<Path>, encode: Encode) -> Result<Picture, P
 
 /// A file that is open at its beginning, by the library that reads it.
 enum Opened<'a> {
-    Exr(Origin<'a>, BufReader<File>),
-    Coded(Origin<'a>, BufReader<File>),
+    Exr(Origin<'a>, BufReader<RegularFile>),
+    Coded(Origin<'a>, BufReader<RegularFile>),
 }
 
 fn open(path: &Path) -> Result<Opened<'_>, PictureError> {
     let io = |source| PictureError::Io { path: path.into(), source };
     let mut file = regular_file::open(path).map_err(io)?;
-    let length = file.metadata().map_err(io)?.len();
+    let length = file.length().map_err(io)?;
     let mut head = Vec::new();
     (&mut file).take(4).read_to_end(&mut head).map_err(io)?;
     file.rewind().map_err(io)?;

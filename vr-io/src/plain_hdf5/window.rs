@@ -1,24 +1,23 @@
 //! Parts of a file, none of which is read beyond its end.
 
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::error::FileErrorKind;
-use crate::regular_file;
+use crate::regular_file::{self, RegularFile};
 
 use super::damaged;
 
 /// A file that is read here and there.
 pub(super) struct Window {
-    file: File,
+    file: RegularFile,
     length: u64,
 }
 
 impl Window {
     pub fn open(path: &Path) -> Result<Self, FileErrorKind> {
         let file = regular_file::open(path)?;
-        let length = file.metadata()?.len();
+        let length = file.length()?;
         Ok(Self { file, length })
     }
 

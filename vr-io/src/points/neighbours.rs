@@ -74,7 +74,7 @@ fn split(points: &mut [(Position, usize)], axes: &mut [u8]) {
         split(low, low_axes);
         split(high, high_axes);
     } else {
-        rayon::join(|| split(low, low_axes), || split(high, high_axes));
+        parallel::join(|| split(low, low_axes), || split(high, high_axes));
     }
 }
 

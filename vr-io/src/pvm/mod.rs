@@ -12,6 +12,7 @@ use vr_core::{Calibration, Placement};
 
 use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::{Assumption, Notes};
 use crate::packed::Packed;
 use crate::payload::{Payload, Segment, Skip};
 use crate::read::{Description, ReadOptions};
@@ -47,9 +48,9 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         }
     }
     let header = Header::parse(&head).map_err(|e| e.in_file(path))?;
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     if header.spacing.is_none() {
-        notes.push("PVM files of the first version state no spacing: 1, 1, 1 is assumed".into());
+        notes.assume(Assumption::Spacing, "PVM files of the first version state no spacing: 1, 1, 1 is assumed");
     }
     let (scalar, components) = match header.components {
         2 => (ScalarType::U16, 1),
@@ -204,7 +205,7 @@ mod tests {
         let options = ReadOptions { map: false, ..ReadOptions::default() };
         let Description { source, layout, mut notes, .. } = describe(&path, &options).map_err(|e| e.to_string())?;
         let voxels = source.load(&path, &layout, &options, &mut notes).map_err(|e| e.to_string())?;
-        Ok((voxels, notes))
+        Ok((voxels, notes.into_lines()))
     }
 
     /// 4×3×2 voxels that tell their places.

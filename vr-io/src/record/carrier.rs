@@ -1,6 +1,5 @@
 //! Places for texts in picture files: iTXt chunks of PNG, attributes of EXR.
 
-use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
@@ -12,7 +11,7 @@ use png::{Decoder, DecodingError, Info, Limits};
 
 use super::Texts;
 use crate::picture_read::PictureError;
-use crate::regular_file;
+use crate::regular_file::{self, RegularFile};
 
 /// Name of the chunk or attribute that holds the record.
 const KEY: &str = "vr";
@@ -55,7 +54,7 @@ pub(super) fn read_text(path: &Path) -> Result<Option<String>, PictureError> {
     }
 }
 
-fn exr_text(path: &Path, file: BufReader<File>) -> Result<Option<String>, PictureError> {
+fn exr_text(path: &Path, file: BufReader<RegularFile>) -> Result<Option<String>, PictureError> {
     let damaged = |message: &dyn std::fmt::Display| PictureError::damaged(path, "EXR", message);
     let meta = MetaData::read_from_buffered(file, false).map_err(|e| damaged(&e))?;
     let attributes = meta.headers.iter().flat_map(|h| h.own_attributes.other.iter().chain(&h.shared_attributes.other));
@@ -69,7 +68,7 @@ fn exr_text(path: &Path, file: BufReader<File>) -> Result<Option<String>, Pictur
     }
 }
 
-fn png_text(file: BufReader<File>) -> Result<Option<String>, DecodingError> {
+fn png_text(file: BufReader<RegularFile>) -> Result<Option<String>, DecodingError> {
     let mut reader = Decoder::new_with_limits(file, Limits { bytes: MAX_TEXT }).read_info()?;
     if let Some(text) = record_of(reader.info())? {
         return Ok(Some(text));

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use vr_core::ParameterError;
 use vr_core::memory::MemoryError;
 
-use crate::error::{FileError, shown};
+use crate::error::{FileError, shown, shown_path};
 use crate::picture_read::PictureError;
 
 use super::wrong_value::explained;
@@ -109,7 +109,7 @@ pub(super) fn unknown_name(field: &str, name: &str, known: &[&str], allowed: &'s
 fn place(path: &Path, line: Option<usize>) -> String {
     let mut place = String::new();
     if !path.as_os_str().is_empty() {
-        place = format!("{}: ", path.display());
+        place = format!("{}: ", shown_path(path));
     }
     if let Some(line) = line {
         place += &format!("line {line}: ");

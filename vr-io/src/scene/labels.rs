@@ -11,7 +11,7 @@ use vr_look::label_color;
 use super::error::SceneFileError;
 use super::file_name::FileName;
 use super::labels_section::{LabelLook, LabelName, LabelSection, LabelsSection};
-use crate::error::FileError;
+use crate::error::{FileError, shown_path};
 use crate::labels::{LabelEntry, LoadedLabels, read_labels};
 use crate::read::FileInfo;
 use crate::world::Space;
@@ -64,7 +64,7 @@ impl<'a> SceneLabels<'a> {
                 return Err(in_file(error));
             }
         };
-        notes.extend(self.loaded.notes.iter().map(|note| format!("{}: {note}", self.path.display())));
+        notes.extend(self.loaded.notes.iter().map(|note| format!("{}: {note}", shown_path(&self.path))));
         self.note_place(&volume, info, notes);
         let styles = Styles::new(self, automatic).map_err(&in_file)?;
         let map = Arc::new(self.loaded.map.clone());
@@ -89,7 +89,7 @@ impl<'a> SceneLabels<'a> {
 
     /// Says what may have gone wrong where labels and volume were made apart from each other.
     fn note_place(&self, volume: &GridVolume, info: Option<&FileInfo>, notes: &mut Vec<String>) {
-        let (labels, path) = (&self.loaded.info, self.path.display());
+        let (labels, path) = (&self.loaded.info, shown_path(&self.path));
         let own = |space: Space| space == Space::Own;
         if let Some(volume) = info.filter(|info| own(info.space) != own(labels.space)) {
             notes.push(format!(

@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock, OnceLock};
 
 use glam::DVec3;
 use vr_core::transfer::Preset;
-use vr_core::{Compositing, Light, Options, ParameterError, Scene, TriangleMesh, View, Volume};
+use vr_core::{Compositing, Light, Options, ParameterError, Scene, TriangleMesh, View, Volume, number_text};
 use vr_look::{Hints, Survey, fit};
 
 use crate::environment_map::{LoadedEnvironment, read_environment_map};
@@ -169,7 +169,7 @@ pub fn resolve_scene_around(
                     Volume::Amr(_) => "the mean edge of the finest cells",
                     _ => "the mean spacing",
                 };
-                notes.push(format!("unit_distance is {what}, {:.6}", found.volume.mean_spacing()));
+                notes.push(format!("unit_distance is {what}, {}", number_text(found.volume.mean_spacing())));
             }
             named.apply(&mut file, &mut notes)
         }
@@ -307,7 +307,11 @@ fn named_transfer(
             let range = asked.unwrap_or_else(values);
             let integer = volume.grid().is_some_and(|u| u.voxel_type().is_integer());
             let preset = Preset::suggest(range, integer).first().copied().unwrap_or(Preset::Grey);
-            notes.push(format!("no transfer function: preset {preset} over {} to {}", range.0, range.1));
+            notes.push(format!(
+                "no transfer function: preset {preset} over {} to {}",
+                number_text(range.0),
+                number_text(range.1)
+            ));
             Ok(NamedTransfer::from(TransferPoints::from(preset.points(range))).beside(volume))
         }
         _ => {

@@ -14,6 +14,7 @@ use crate::claim::check_claim;
 use crate::error::{FieldError, FileError};
 use crate::file_pattern;
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::Notes;
 use crate::read::{Description, ReadOptions};
 use crate::scalar::Endian;
 use crate::source::Decoded;
@@ -43,7 +44,7 @@ pub(crate) fn is_folder_of_slices(path: &Path) -> bool {
 
 /// Reads the headers of all slices of a folder or a pattern.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     let files = if path.is_dir() {
         of_folder(path, &mut notes)?
     } else if is_pattern(path) {

@@ -1,7 +1,6 @@
 //! One picture of a stack: its header, and its pixels.
 
 use std::fmt;
-use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::Path;
 
@@ -12,7 +11,7 @@ use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use crate::claim::check_claim;
 use crate::error::{FieldError, FileError, FileErrorKind};
-use crate::regular_file;
+use crate::regular_file::{self, RegularFile};
 use crate::scalar::ScalarType;
 use crate::tiff::{self, Spacing, decode_page, first_directory, first_page};
 
@@ -203,7 +202,7 @@ pub(super) fn decode(path: &Path, like: &Picture, component: usize) -> Result<Ve
     Ok(of_pixel.flat_map(|p| p[component * bytes..][..bytes].iter().copied()).collect())
 }
 
-type BmpFile = BmpDecoder<BufReader<File>>;
+type BmpFile = BmpDecoder<BufReader<RegularFile>>;
 
 /// The decoder of a BMP file, and the greys of its palette, if there is one and nothing in it has a colour.
 fn bmp(path: &Path) -> Result<(BmpFile, Option<Vec<u8>>), FileError> {
@@ -253,7 +252,7 @@ fn kind_of(path: &Path) -> Result<Kind, FileError> {
     }
 }
 
-fn open(path: &Path, kind: Kind) -> Result<ImageReader<BufReader<File>>, FileError> {
+fn open(path: &Path, kind: Kind) -> Result<ImageReader<BufReader<RegularFile>>, FileError> {
     let mut file = regular_file::open(path).map_err(|e| FileError::new(path, e))?;
     if matches!(kind, Kind::Tiff) {
         first_directory::check(path, &mut file)?;

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use roxmltree::{Document, Node, ParsingOptions};
-use vr_core::Calibration;
+use vr_core::{Calibration, number_text};
 
 use crate::error::{FieldError, FileError};
 use crate::layout::Role;
 use crate::length_unit::{LengthUnit, MICROMETRE, common};
+use crate::notes::{Assumption, Notes};
 
 use super::Page;
 
@@ -33,7 +34,7 @@ impl Spacing {
 pub(crate) fn spacing_notes(
     spacing: Spacing,
     format: &str,
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) -> ([f64; 3], Option<String>, &'static str) {
     let Spacing { plane, slices, unit, by, is_screen } = spacing;
     // Without a unit a resolution says no more than the shape of a pixel.
@@ -41,16 +42,20 @@ pub(crate) fn spacing_notes(
     match (plane.filter(|_| !is_screen && !says_nothing), slices) {
         (Some([x, y]), Some(z)) => ([x, y, z], unit, by),
         (Some([x, y]), None) => {
-            notes.push(format!("the {by} say nothing about the distance of slices: that of columns, {x}, is assumed"));
+            let columns = number_text(x);
+            let why = "say nothing about the distance of slices: that of columns";
+            notes.assume(Assumption::Spacing, format!("the {by} {why}, {columns}, is assumed"));
             ([x, y, x], unit, by)
         }
         (None, Some(z)) => {
-            notes.push(format!("only the distance of slices, {z}, is stated: 1, 1 is assumed within them"));
+            let slices = number_text(z);
+            let said = format!("only the distance of slices, {slices}, is stated: 1, 1 is assumed within them");
+            notes.assume(Assumption::Spacing, said);
             ([1.0, 1.0, z], unit, "spacing of slices")
         }
         (None, None) => {
             let why = if is_screen { ", beside a resolution in dpi that is a screen's or printer's" } else { "" };
-            notes.push(format!("{format} states no spacing{why}: 1, 1, 1 is assumed"));
+            notes.assume(Assumption::Spacing, format!("{format} states no spacing{why}: 1, 1, 1 is assumed"));
             ([1.0; 3], None, "assumed")
         }
     }

@@ -12,7 +12,6 @@ mod pixels;
 #[cfg(test)]
 mod tests;
 
-use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::Path;
 
@@ -24,9 +23,10 @@ use vr_core::Placement;
 use crate::claim::check_claim;
 use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::Notes;
 use crate::payload::Payload;
 use crate::read::{Description, ReadOptions};
-use crate::regular_file;
+use crate::regular_file::{self, RegularFile};
 use crate::scalar::Endian;
 use crate::source::{Decoded, Source};
 use crate::world::Space;
@@ -39,13 +39,13 @@ pub(crate) use page::{Page, first_page};
 /// Most pages of a file; one that has more is wrong.
 const MAX_PAGES: usize = 1 << 20;
 
-pub(crate) type TiffFile = Decoder<BufReader<File>>;
+pub(crate) type TiffFile = Decoder<BufReader<RegularFile>>;
 
 /// Opens a file at its first page; `page_bytes` are those of a page to decode, or 0 where headers alone are read.
 pub(crate) fn open(path: &Path, page_bytes: usize) -> Result<TiffFile, FileError> {
     let mut file = regular_file::open(path).map_err(|e| FileError::new(path, e))?;
     first_directory::check(path, &mut file)?;
-    let length = file.metadata().map_err(|e| FileError::new(path, e))?.len();
+    let length = file.length().map_err(|e| FileError::new(path, e))?;
     let decoder = Decoder::new(BufReader::new(file)).map_err(|e| refuse(path, e))?;
     let mut limits = Limits::default();
     // Descriptions in XML and tables of strips may be long, but not longer than the file.
@@ -72,7 +72,7 @@ pub(crate) fn refuse(path: &Path, error: TiffError) -> FileError {
 /// Everything that the pages' headers say.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let mut file = open(path, 0)?;
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     let (pages, text) = read_pages(path, &mut file, &mut notes)?;
     let first = &pages[0];
     let resolution = first.resolution.clone();

@@ -144,7 +144,7 @@ impl fmt::Display for Page {
 /// The text that describes the image, in whatever bytes it has.
 pub(super) fn description(file: &mut TiffFile) -> TiffResult<Option<String>> {
     let Some(entry) = file.image_ifd().find_entry(Tag::ImageDescription) else { return Ok(None) };
-    let length = file.inner().get_ref().metadata().map_or(0, |m| m.len());
+    let length = file.inner().get_ref().length().unwrap_or(0);
     let Some(count) = usize::try_from(entry.count().min(length)).ok() else { return Ok(None) };
     let mut bytes = vec![0; count];
     let read = file.image_ifd().find_tag_bytes(Tag::ImageDescription, &mut bytes, 0)?.unwrap_or(0);

@@ -18,7 +18,7 @@ use std::path::Path;
 
 use vr_core::{ControlPoint, Filter, OpacityRule, Shading};
 
-use crate::error::{FieldError, FileError};
+use crate::error::{FieldError, FileError, shown_path};
 use crate::regular_file;
 use crate::scene::{TransferPoints, TransferRowSection, stretching};
 
@@ -160,7 +160,7 @@ pub fn parse_transfer(bytes: &[u8], path: &Path) -> Result<TransferFile, FileErr
         return Err(FieldError::new("points", count, allowed).in_file(path));
     }
     // Everything else is told to a reader of notes, who has more than one file.
-    let place = path.display();
+    let place = shown_path(path);
     file.notes.iter_mut().for_each(|note| *note = format!("{place}: {note}"));
     Ok(file)
 }

@@ -12,6 +12,7 @@ use std::path::Path;
 
 use crate::error::{FileError, FileErrorKind};
 use crate::layout::{Axis, Layout};
+use crate::notes::Notes;
 use crate::read::{Description, ReadOptions};
 use crate::scalar::{Endian, ScalarType};
 use crate::source::Decoded;
@@ -82,7 +83,7 @@ pub(crate) fn describe(
     options: &ReadOptions,
 ) -> Result<Description, FileError> {
     let in_file = |kind: FileErrorKind| FileError::new(path, kind);
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     let variable =
         choice::choose(store.variables(), options.array.as_deref(), &mut notes).map_err(|e| e.in_file(path))?.clone();
     let axes = axes::axes(&store, &variable, &mut notes).map_err(in_file)?;

@@ -6,6 +6,7 @@ use vr_core::Placement;
 use crate::error::{FileErrorKind, shown};
 use crate::layout::Role;
 use crate::length_unit;
+use crate::notes::{Assumption, Notes};
 
 use super::axes::{Coordinates, VariableAxis, world_axis};
 use super::{Store, Variable, numbers};
@@ -25,7 +26,7 @@ pub(super) fn place(
     store: &dyn Store,
     variable: &Variable,
     axes: &[VariableAxis],
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) -> Result<Placed, FileErrorKind> {
     // The fastest first, as a volume has them.
     let space: Vec<usize> = (0..axes.len()).rev().filter(|&a| axes[a].role == Role::Space).collect();
@@ -78,13 +79,14 @@ pub(super) fn place(
         let is_downward = coordinates[i].is_some_and(|c| c.is_downward);
         steps[i][world[i]] = if is_backward != is_downward { -1.0 } else { 1.0 };
     }
-    notes.push(if lines.iter().all(Option::is_none) {
+    let why = if lines.iter().all(Option::is_none) {
         "no coordinates: spacing 1, 1, 1 is assumed".to_owned()
     } else {
         let word = |i: usize| format!("{} in {}", names[i].unwrap_or("an axis"), units[i].unwrap_or("no unit"));
         let [a, b, c] = [0, 1, 2].map(|i| shown(&word(i)));
         format!("coordinates ({a}, {b}, {c}) are no lengths of one unit: spacing 1, 1, 1 is assumed")
-    });
+    };
+    notes.assume(Assumption::Spacing, why);
     let placement = Placement::new(DVec3::ZERO, DMat3::from_cols(steps[0], steps[1], steps[2]))?;
     Ok(Placed { placement, by: "assumed", unit: None })
 }

@@ -16,6 +16,7 @@ use vr_core::{Calibration, Placement};
 
 use crate::error::{FieldError, FileError, FileErrorKind, shown};
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::Notes;
 use crate::read::{Description, ReadOptions};
 use crate::scalar::{Endian, ScalarType};
 use crate::source::Decoded;
@@ -33,7 +34,7 @@ pub(crate) fn is_vdb(head: &[u8]) -> bool {
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let in_file = |kind: FileErrorKind| FileError::new(path, kind);
     let file = VdbFile::read(path).map_err(in_file)?;
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     let grid = choose(&file.grids, options.array.as_deref(), &mut notes).map_err(|e| e.in_file(path))?;
     let tree = file.tree(grid).map_err(in_file)?;
     let inside = Box3::around(&tree, &grid.name).map_err(in_file)?;

@@ -10,6 +10,7 @@ use crate::encoding::Encoding;
 use crate::error::{FieldError, FileError};
 use crate::header_text::HeaderText;
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::{Assumption, Notes};
 use crate::payload::{Payload, Segment, Skip};
 use crate::read::{Description, ReadOptions, file_head};
 use crate::scalar::{Endian, ScalarType};
@@ -32,7 +33,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     }
     let in_file = |e: FieldError| e.in_file(path);
     let header = Header::read(path)?;
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     let name = header.required("ObjectFileName").map_err(in_file)?;
     let scalar = header.scalar(&mut notes).map_err(in_file)?;
     let components = header.components().map_err(in_file)?;
@@ -53,7 +54,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         },
     };
     if spacing.is_none() {
-        notes.push("no SliceThickness in the header: 1, 1, 1 is assumed".into());
+        notes.assume(Assumption::Spacing, "no SliceThickness in the header: 1, 1, 1 is assumed");
     }
     let matrix = header.matrix().map_err(in_file)?;
     let placement = place(path, DVec3::ZERO, spacing.unwrap_or(DVec3::ONE), matrix)?;
@@ -92,6 +93,9 @@ fn describe_sizes(path: &Path, head: &[u8], options: &ReadOptions) -> Result<Des
         excess_is_error: true,
         hint: "",
     };
+    let fits = "three 16-bit sizes and as many 16-bit numbers, little-endian: the length of the file fits";
+    let mut notes = Notes::from(vec![fits.to_owned()]);
+    notes.assume(Assumption::Spacing, "such files state no spacing: 1, 1, 1 is assumed");
     Ok(Description {
         format: "sizes and u16 (dat)",
         header: path.into(),
@@ -103,10 +107,7 @@ fn describe_sizes(path: &Path, head: &[u8], options: &ReadOptions) -> Result<Des
         space: Space::Own,
         units: None,
         scan: None,
-        notes: vec![
-            "three 16-bit sizes and as many 16-bit numbers, little-endian: the length of the file fits".into(),
-            "such files state no spacing: 1, 1, 1 is assumed".into(),
-        ],
+        notes,
     })
 }
 

@@ -9,6 +9,7 @@ use vr_core::Calibration;
 
 use crate::error::{FieldError, FileError};
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::{Assumption, Notes};
 use crate::read::{Description, ReadOptions};
 use crate::regular_file;
 use crate::scalar::ScalarType;
@@ -28,7 +29,7 @@ pub(crate) fn is_vvd(head: &[u8]) -> bool {
 /// Describes the volume of a header.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let in_file = |e: FieldError| e.in_file(path);
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     let mut text = String::new();
     let file = regular_file::open(path).map_err(|e| FileError::new(path, e))?;
     file.take(LONGEST).read_to_string(&mut text).map_err(|e| FileError::new(path, e))?;
@@ -54,7 +55,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     let meta = Meta { volume };
     let spacing = meta.vector("Spacing").map_err(in_file)?;
     if spacing.is_none() {
-        notes.push("no Spacing in the header: 1, 1, 1 is assumed".into());
+        notes.assume(Assumption::Spacing, "no Spacing in the header: 1, 1, 1 is assumed");
     }
     let offset = meta.vector("Offset").map_err(in_file)?;
     let matrix = meta.matrix("Transformation").map_err(in_file)?.unwrap_or(DMat4::IDENTITY);

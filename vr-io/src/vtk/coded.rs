@@ -4,7 +4,6 @@
 //! compressed size of each (`vtkXMLWriter`). In base64, these sizes are a run of their own where there are blocks, and one run with the bytes
 //! where there are none.
 
-use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::Path;
@@ -14,7 +13,8 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::read::ZlibDecoder;
 use lzma_rust2::XzReader;
 
-use crate::regular_file;
+use crate::polled::Polled;
+use crate::regular_file::{self, RegularFile};
 use crate::scalar::Endian;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,7 +66,7 @@ impl CodedError {
 
 /// A part of a file that holds bytes, or their base64.
 pub(super) struct Coded {
-    file: File,
+    file: RegularFile,
     at: Range<u64>,
     base64: bool,
 }
@@ -75,7 +75,7 @@ impl Coded {
     pub fn open(path: &Path, at: Range<u64>, base64: bool) -> io::Result<Self> {
         let file = regular_file::open(path)?;
         // The file may have become shorter since its header was read.
-        let end = at.end.min(file.metadata()?.len());
+        let end = at.end.min(file.length()?);
         Ok(Self { file, at: at.start..end, base64 })
     }
 
@@ -186,7 +186,7 @@ impl Compressor {
     /// Appends what a block unpacks to: `size` bytes, or some more or less where it is not what it claims to be.
     fn unpack(self, block: &[u8], size: u64, out: &mut Vec<u8>) -> Result<(), String> {
         let mut read = |unpacker: &mut dyn Read| {
-            unpacker.take(size.saturating_add(1)).read_to_end(out).map(|_| ()).map_err(|e| e.to_string())
+            Polled::new(unpacker).take(size.saturating_add(1)).read_to_end(out).map(|_| ()).map_err(|e| e.to_string())
         };
         match self {
             Self::Zlib => read(&mut ZlibDecoder::new(block))?,
@@ -229,6 +229,19 @@ mod tests {
         // 64 KiB of zeros at the highest preset.
         let zeros = "fd377a585a0000016922de36020021011c00000010cf58cce0ffff004c5d00006ffdffffa3b7ff473e481572396151b89228e6a38607f9eee41e82d32fc53a3c014bb17ec98a8a4d2fa30dd97fa6e38c231153e05918c5758ae277f8b6947f0c6ac0de7449645c9e3ad10000eb8e97d70001648080040000e437860b3e300d8b020000000001595a";
         assert_eq!(unpacked(&bytes(zeros), 1 << 16).unwrap(), vec![0; 1 << 16]);
+    }
+
+    #[test]
+    fn unpacking_ends_where_the_work_is_cancelled() {
+        let control = vr_core::Control::default();
+        control.cancel_flag().store(true, std::sync::atomic::Ordering::Relaxed);
+        let mut zlib = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+        io::Write::write_all(&mut zlib, &[0; 16]).unwrap();
+        for (compressor, block) in [(Compressor::Zlib, zlib.finish().unwrap()), (Compressor::Lzma, bytes(PACKED))] {
+            let unpack = || compressor.unpack(&block, 16, &mut Vec::new());
+            assert_eq!(control.cancellable(unpack), Ok(Err("cancelled".to_owned())));
+            assert_eq!(unpack(), Ok(()));
+        }
     }
 
     #[test]

@@ -43,7 +43,7 @@ impl XmlFile {
     /// Reads a file up to its appended data, which need not be XML.
     pub fn open(path: &Path) -> Result<Self, FileErrorKind> {
         let mut file = regular_file::open(path)?;
-        let length = file.metadata()?.len();
+        let length = file.length()?;
         let mut bytes = Vec::new();
         let found = read_to_tag(&mut file, &mut bytes)?;
         let length = length.max(bytes.len() as u64);

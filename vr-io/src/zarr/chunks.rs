@@ -191,7 +191,7 @@ impl Selection {
             (at.saturating_mul(n as u64).saturating_add(i as u64), all.saturating_mul(n as u64))
         });
         let mut file = regular_file::open(path)?;
-        let length = file.metadata()?.len();
+        let length = file.length()?;
         let checksum = if shard.table_has_checksum { 4 } else { 0 };
         let table = entries.saturating_mul(16).saturating_add(checksum);
         let cut_off = || crate::encoding::invalid("the shard is cut off".into());

@@ -4,6 +4,7 @@ use std::io::{self, Read};
 
 use crate::encoding::{Encoding, invalid};
 use crate::error::FieldError;
+use crate::polled::Polled;
 
 use super::blosc;
 use super::crc32c::crc32c;
@@ -104,6 +105,21 @@ pub(super) fn lz4_block(block: &[u8], length: usize, max_bytes: usize) -> io::Re
 /// Everything that comes out of a decoder.
 pub(super) fn read(decoder: impl Read, max_bytes: usize) -> io::Result<Vec<u8>> {
     let mut out = Vec::new();
-    decoder.take(max_bytes as u64 + 1).read_to_end(&mut out)?;
+    Polled::new(decoder).take(max_bytes as u64 + 1).read_to_end(&mut out)?;
     if out.len() > max_bytes { Err(too_long(max_bytes)) } else { Ok(out) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decoding_ends_where_the_work_is_cancelled() {
+        let control = vr_core::Control::default();
+        control.cancel_flag().store(true, std::sync::atomic::Ordering::Relaxed);
+        // A frame of Zstandard of one raw block: magic, descriptor, window, header of the last block, its bytes.
+        let frame = [0x28, 0xb5, 0x2f, 0xfd, 0x00, 0x58, 0x19, 0x00, 0x00, b'a', b'b', b'c'];
+        assert_eq!(zstd(&frame, 3).unwrap(), b"abc");
+        assert_eq!(control.cancellable(|| zstd(&frame, 3).unwrap_err().to_string()).unwrap(), "cancelled");
+    }
 }

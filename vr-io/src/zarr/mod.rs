@@ -21,10 +21,11 @@ use glam::{DMat3, DVec3};
 use serde_json::Value;
 use vr_core::{Calibration, Placement};
 
-use crate::error::{FieldError, FileError};
+use crate::error::{FieldError, FileError, shown, shown_path};
 use crate::inside::inside;
 use crate::layout::{Axis, Layout, Role};
 use crate::length_unit;
+use crate::notes::{Assumption, Notes};
 use crate::read::{Description, ReadOptions};
 use crate::source::Decoded;
 use crate::world::Space;
@@ -47,7 +48,7 @@ pub(crate) fn is_zarr(folder: &Path) -> bool {
 
 /// Everything that the JSON says, and which of the chosen chunks are there.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     match Node::read(path)? {
         Node::Array { file, json, attributes } => {
             if let Some(level) = options.level {
@@ -107,8 +108,8 @@ fn choose(path: &Path, arrays: &[String], groups: &[String]) -> FileError {
     // The list belongs to the remedy, where it is not cut off.
     const MAX_NAMES: usize = 20;
     let more = if all.len() > MAX_NAMES { ", …" } else { "" };
-    let names = all.iter().take(MAX_NAMES).map(|n| crate::error::shown(n)).collect::<Vec<_>>().join(", ");
-    let allowed = format!("name one of {names}{more}, as in {}", path.join(first).display());
+    let names = all.iter().take(MAX_NAMES).map(|n| shown(n)).collect::<Vec<_>>().join(", ");
+    let allowed = format!("name one of {names}{more}, as in {}", shown_path(&path.join(first)));
     let found = format!("a group of {} array(s) and {} group(s)", arrays.len(), groups.len());
     FieldError::new("Zarr group", found, allowed).in_file(path)
 }
@@ -119,23 +120,18 @@ fn plain_array(
     array: Array,
     attributes: &Value,
     options: &ReadOptions,
-    mut notes: Vec<String>,
+    mut notes: Notes,
 ) -> Result<Description, FileError> {
     let names = array.names.clone().or_else(|| json::strings(attributes.get("_ARRAY_DIMENSIONS")?));
     let axes = roles::of_array(array.shape.len(), names.as_deref(), &mut notes).map_err(|e| e.in_file(&array.file))?;
-    notes.push("Zarr arrays state no spacing: 1, 1, 1 is assumed".into());
+    notes.assume(Assumption::Spacing, "Zarr arrays state no spacing: 1, 1, 1 is assumed");
     let n = axes.len();
     let placed = Placed { scale: vec![1.0; n], translation: vec![0.0; n], by: "assumed", format: "Zarr" };
     describe_array(path, array, &axes, placed, options, notes)
 }
 
 /// One resolution of an image.
-fn image(
-    path: &Path,
-    found: &Multiscales,
-    options: &ReadOptions,
-    mut notes: Vec<String>,
-) -> Result<Description, FileError> {
+fn image(path: &Path, found: &Multiscales, options: &ReadOptions, mut notes: Notes) -> Result<Description, FileError> {
     let mut levels = Vec::new();
     for level in &found.levels {
         let folder = inside(path, "multiscales path", &level.path).map_err(|e| e.in_file(path))?;
@@ -176,7 +172,7 @@ fn image(
     }
     let level = &found.levels[chosen];
     if !level.is_placed {
-        notes.push("OME-Zarr without coordinateTransformations: spacing 1, 1, 1 is assumed".into());
+        notes.assume(Assumption::Spacing, "OME-Zarr without coordinateTransformations: spacing 1, 1, 1 is assumed");
     }
     let by = if level.is_placed { "coordinateTransformations" } else { "assumed" };
     let placed = Placed { scale: level.scale.clone(), translation: level.translation.clone(), by, format: "OME-Zarr" };
@@ -198,7 +194,7 @@ fn describe_array(
     axes: &[NamedAxis],
     placed: Placed,
     options: &ReadOptions,
-    mut notes: Vec<String>,
+    mut notes: Notes,
 ) -> Result<Description, FileError> {
     // The last axis of an array runs fastest.
     let fastest_first: Vec<Axis> =

@@ -129,7 +129,7 @@ impl Fab {
         let place = bytes.and_then(|n| n.checked_mul(component as u64)?.checked_add(begin));
         let (bytes, place) = bytes.zip(place).ok_or_else(|| wrong(shown.clone(), "must have fewer cells"))?;
         let mut file = regular_file::open(&self.path)?;
-        let there = file.metadata()?.len().saturating_sub(place);
+        let there = file.length()?.saturating_sub(place);
         if bytes > there {
             let found = format!("{there} bytes for component {component}");
             return Err(wrong(found, &format!("its box needs {bytes}: the file is cut off")));

@@ -1,10 +1,9 @@
 //! The layout of a PLOT3D file, found by trying: nothing in the file tells it but its length.
 
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-use crate::regular_file;
+use crate::regular_file::{self, RegularFile};
 use crate::scalar::{Endian, ScalarType};
 
 /// The two kinds of files.
@@ -47,7 +46,7 @@ impl Layout {
     /// Finds the one layout under which the length of a file is what its sizes add up to, exactly or filled up to whole blocks.
     pub fn find(path: &Path, content: Content) -> Option<Self> {
         let mut file = regular_file::open(path).ok()?;
-        let length = file.metadata().ok()?.len();
+        let length = file.length().ok()?;
         let forms = [Endian::Little, Endian::Big].into_iter().flat_map(|endian| {
             [false, true]
                 .into_iter()
@@ -71,7 +70,7 @@ struct Header {
 }
 
 /// Reads the sizes, if the file begins with sizes of this form.
-fn header(file: &mut File, length: u64, endian: Endian, has_marks: bool, several: bool) -> Option<Header> {
+fn header(file: &mut RegularFile, length: u64, endian: Endian, has_marks: bool, several: bool) -> Option<Header> {
     file.seek(SeekFrom::Start(0)).ok()?;
     let mut at = 0;
     let mut word = || -> Option<u64> {

@@ -4,6 +4,7 @@ use glam::{DMat3, DVec3};
 use vr_core::{GridError, Placement};
 
 use crate::error::FieldError;
+use crate::notes::{Assumption, Notes};
 
 /// First and last index of the points along each axis; the last one is not below the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,9 +66,9 @@ pub(super) struct Lattice {
 
 impl Lattice {
     /// Places the points, or the centres of the cells.
-    pub fn placement(&self, of_cells: bool, notes: &mut Vec<String>) -> Result<Placement, GridError> {
+    pub fn placement(&self, of_cells: bool, notes: &mut Notes) -> Result<Placement, GridError> {
         if self.spacing.is_none() {
-            notes.push("the file states no spacing: 1, 1, 1 is assumed".to_owned());
+            notes.assume(Assumption::Spacing, "the file states no spacing: 1, 1, 1 is assumed");
         }
         let axes = self.direction.unwrap_or(DMat3::IDENTITY) * DMat3::from_diagonal(self.spacing.unwrap_or(DVec3::ONE));
         // Said of the axes before they move the origin.
@@ -126,7 +127,7 @@ mod tests {
             spacing: Some(DVec3::new(1.0, 2.0, 3.0)),
             direction: Some(DMat3::from_cols_array(&rows).transpose()),
         };
-        let mut notes = Vec::new();
+        let mut notes = Notes::default();
         let placement = lattice.placement(false, &mut notes).unwrap();
         // Index 3, 1, 0 is the voxel 1, 0, 0.
         assert_eq!(placement.to_world(DVec3::X), DVec3::new(7.0, 3.0, 7.0));

@@ -16,6 +16,7 @@ use vr_core::Calibration;
 
 use crate::error::FileError;
 use crate::layout::{Axis, Layout, Role};
+use crate::notes::Notes;
 use crate::read::{Description, ReadOptions};
 use crate::scalar::ScalarType;
 use crate::source::Source;
@@ -92,7 +93,8 @@ trait Numbers {
 
 impl<A: Numbers + 'static> Header<A> {
     fn describe(self, format: &'static str, path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
-        let Self { lattice, arrays, mut notes } = self;
+        let Self { lattice, arrays, notes } = self;
+        let mut notes = Notes::from(notes);
         let (candidates, mut arrays): (Vec<Candidate>, Vec<A>) = arrays.into_iter().unzip();
         let chosen = choose(&candidates, options, &mut notes).map_err(|e| e.in_file(path))?;
         let Candidate { components, of_cells, .. } = candidates[chosen];

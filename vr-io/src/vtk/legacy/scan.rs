@@ -1,13 +1,12 @@
 //! Lines and arrays of a legacy VTK file, one after the other. Numbers are passed over; binary ones are not even read.
 
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::Path;
 
 use crate::decode::numbers_as_f64;
 use crate::error::{FileErrorKind, shown};
-use crate::regular_file;
+use crate::regular_file::{self, RegularFile};
 use crate::scalar::{Endian, ScalarType};
 use crate::vtk::coded::read_range;
 use crate::vtk::words::{self, BadWord};
@@ -49,7 +48,7 @@ struct Place {
 
 /// A file that is read from the beginning to the end.
 pub(super) struct Scan {
-    file: BufReader<File>,
+    file: BufReader<RegularFile>,
     length: u64,
     here: Place,
     pub binary: bool,
@@ -59,7 +58,7 @@ impl Scan {
     /// The begin of a file, which is text until it says otherwise.
     pub fn open(path: &Path) -> io::Result<Self> {
         let file = regular_file::open(path)?;
-        let length = file.metadata()?.len();
+        let length = file.length()?;
         let here = Place { at: 0, lines: 0, at_line: true };
         Ok(Self { file: BufReader::with_capacity(1 << 16, file), length, here, binary: false })
     }
