@@ -177,7 +177,9 @@ pub enum PointError {
         found: f32,
     },
     /// A weight that a mean cannot divide by.
-    #[error("point {point}: found the weight {found}, must be positive where values or colours are mixed by a weighted mean")]
+    #[error(
+        "point {point}: found the weight {found}, must be positive where values or colours are mixed by a weighted mean"
+    )]
     Weight {
         /// Number of the point, from 0.
         point: usize,

@@ -1,9 +1,7 @@
 //! Part of a ray inside the volume, and the field along it.
 
 use vr_core::filter::{Lattice, Reconstruction};
-use vr_core::{
-    GradientMethod, IndexRay, LatticeVisitor, Real, Sampler, SamplerVisitor, Voxel, gradient_and_turn,
-};
+use vr_core::{GradientMethod, IndexRay, LatticeVisitor, Real, Sampler, SamplerVisitor, Voxel, gradient_and_turn};
 
 use crate::place_colors::PlaceColors;
 use crate::run::Run;

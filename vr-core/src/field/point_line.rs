@@ -108,8 +108,7 @@ impl<'a> PointLine<'a> {
             jumps.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         }
         let gradients_along = gradients.then(|| ray.direction.to_array());
-        let mut line =
-            Self { points, supports, cuts, first, inside, offset: crossings.offset, gradients_along, jumps };
+        let mut line = Self { points, supports, cuts, first, inside, offset: crossings.offset, gradients_along, jumps };
         if divides {
             line.refine(gradients && is_mean);
         }

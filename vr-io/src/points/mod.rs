@@ -94,7 +94,9 @@ impl PointOptions {
                 return Err(ParameterError::new(field, x, "must be positive, between 1e-30 and 1e30"));
             }
         }
-        if let Some([low, high]) = self.color_range.filter(|[low, high]| !(high - low > 0.0 && (high - low).is_finite())) {
+        if let Some([low, high]) =
+            self.color_range.filter(|[low, high]| !(high - low > 0.0 && (high - low).is_finite()))
+        {
             let allowed = "must be two finite numbers, the first below the second";
             return Err(ParameterError::new("volume.color_range", [low, high], allowed));
         }

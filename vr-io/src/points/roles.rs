@@ -51,7 +51,10 @@ impl Roles<usize> {
             density: role("density", columns.density.as_deref(), names, DENSITY)?,
             weight: role("weight", columns.weight.as_deref(), names, WEIGHT)?,
             value,
-            color: options.color_value.as_deref().map_or(Ok(None), |name| role("color_value", Some(name), names, &[]))?,
+            color: options
+                .color_value
+                .as_deref()
+                .map_or(Ok(None), |name| role("color_value", Some(name), names, &[]))?,
         })
     }
 
@@ -186,7 +189,11 @@ mod tests {
         options.value = Some(ONE.to_owned());
         assert_eq!(Roles::choose(&names("value w"), &options).unwrap().value, None);
         options.color_value = Some("w".to_owned());
-        assert_eq!(Roles::choose(&names("value w"), &options).unwrap().color, Some(1), "also where it has another role");
+        assert_eq!(
+            Roles::choose(&names("value w"), &options).unwrap().color,
+            Some(1),
+            "also where it has another role"
+        );
         options.value = Some("vorticity".to_owned());
         let error = Roles::choose(&names("value w"), &options).unwrap_err();
         assert_eq!((error.field.as_str(), error.found.as_str()), ("value", "vorticity"));

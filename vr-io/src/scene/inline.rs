@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DVec3};
 use vr_core::{
-    AnyGrid, GridError, GridVolume, ParameterError, PointError, PointKernel, PointMixing, PointSet, UniformGrid, Volume,
-    Voxel, with_grid,
+    AnyGrid, GridError, GridVolume, ParameterError, PointError, PointKernel, PointMixing, PointSet, UniformGrid,
+    Volume, Voxel, with_grid,
 };
 
 use crate::scalar::ScalarType;
@@ -165,7 +165,8 @@ mod tests {
         let positions = vec![DVec3::new(0.1, 2.0 / 3.0, -1e6), DVec3::ZERO];
         let (radii, weights, values) = (vec![0.1f32, 3.0], vec![1.0 / 3.0, 2.0], vec![-1e-20, 7.5]);
         let set = PointSet::new(positions, radii, weights, values, PointKernel::Cone).unwrap();
-        let set = set.with_mixing(PointMixing::Mean).unwrap().with_colors(vec![[0.1, 0.0, 1.0], [1.0 / 3.0; 3]]).unwrap();
+        let set =
+            set.with_mixing(PointMixing::Mean).unwrap().with_colors(vec![[0.1, 0.0, 1.0], [1.0 / 3.0; 3]]).unwrap();
         let VolumeSource::Points { points: rows, kernel, mixing, colors } = inline_points(&set).unwrap() else {
             panic!("points")
         };
@@ -178,7 +179,8 @@ mod tests {
 
     #[test]
     fn nonsense_is_refused() {
-        let all = |rows: &[Row], mixing, colors: Option<&[[f64; 3]]>| points(rows, PointKernel::default(), mixing, colors);
+        let all =
+            |rows: &[Row], mixing, colors: Option<&[[f64; 3]]>| points(rows, PointKernel::default(), mixing, colors);
         let error = |rows: &[Row]| all(rows, PointMixing::Sum, None).unwrap_err().to_string();
         let message = error(&[[0.0, 0.0, 0.0, -1.0, 1.0, 1.0]]);
         assert!(message.contains("point 0: found the radius -1"), "{message}");

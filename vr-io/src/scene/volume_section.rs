@@ -157,7 +157,9 @@ impl VolumeSource {
             Self::Grid { .. } => {
                 "voxels of a grid in a scene file have dims, type, spacing, origin, direction, slope and intercept"
             }
-            Self::Points { .. } => "points in a scene file have a kernel, a mixing and point_colors; only points from files have other keys",
+            Self::Points { .. } => {
+                "points in a scene file have a kernel, a mixing and point_colors; only points from files have other keys"
+            }
         };
         ParameterError { field: format!("volume.{key}"), found: found.to_string(), allowed }
     }

@@ -340,7 +340,6 @@ fn render() -> Vec<KeyHelp> {
 mod tests {
     use std::path::Path;
 
-
     use super::*;
     use crate::scene::{GridDescription, SceneFileError, parse_scene};
 

@@ -30,7 +30,8 @@ pub(super) fn volume(source: Option<&VolumeSource>) -> Vec<KeyHelp> {
             keys
         }
         Some(VolumeSource::Points { .. }) => {
-            let mut keys = vec![key("points", Nothing, "Rows of x, y, z, radius, weight and value, up to 4096 of them.")];
+            let mut keys =
+                vec![key("points", Nothing, "Rows of x, y, z, radius, weight and value, up to 4096 of them.")];
             keys.extend([kernel(""), mixing("")]);
             keys.push(key(
                 "point_colors",

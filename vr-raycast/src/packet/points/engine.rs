@@ -6,8 +6,8 @@ use fearless_simd::Level;
 use glam::DVec3;
 use vr_core::image_order::ImageSample;
 use vr_core::{
-    Calibration, Compositing, Counts, Layer, MaxRadiance, ParameterError, Placement, PointMixing, PointSet, Rays, Scene, View,
-    Volume,
+    Calibration, Compositing, Counts, Layer, MaxRadiance, ParameterError, Placement, PointMixing, PointSet, Rays,
+    Scene, View, Volume,
 };
 use vr_kernels::tables::{BakedTransfer, rounding_over, table_range};
 use vr_kernels::vector::{self, Modulation, OpticsTable, PacketShading, Rows};
