@@ -38,11 +38,15 @@ fn transfer() -> TransferFunction {
 fn means_and_colours_converge_to_the_reference() {
     for kernel in PointKernel::ALL {
         for mixing in PointMixing::ALL {
-            let plain = Scene { lights: vec![Light::default()], ..Scene::new(three(kernel, mixing).into(), transfer()) };
+            let plain =
+                Scene { lights: vec![Light::default()], ..Scene::new(three(kernel, mixing).into(), transfer()) };
             let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..plain.clone() };
             for (scene, floor) in [(plain, 3e-5), (shaded, 1e-3)] {
                 let errors = [0.4, 0.1, 0.025].map(|step| error(&scene, &RayCaster::uniform(step), Some(30.0)).rmse);
-                println!("{kernel}, {mixing}, {}: {errors:?}", if scene.shading.is_some() { "shaded" } else { "plain" });
+                println!(
+                    "{kernel}, {mixing}, {}: {errors:?}",
+                    if scene.shading.is_some() { "shaded" } else { "plain" }
+                );
                 // Order 2: a step ends where a mean begins and ends with a jump. Shaded, order 1: gradients jump at the edges of supports within a mean.
                 let order = if scene.shading.is_some() { 4.0 } else { 60.0 };
                 assert!(errors[2] < floor && errors[2] < errors[0] / order, "{kernel}, {mixing}: {errors:?}");

@@ -54,14 +54,14 @@ impl Classified {
             SplatInput::Points(points) => {
                 let values = || points.values().iter().map(|&v| f64::from(v));
                 let carried = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
-                // Sums may be any number, but of none below 0 they are not below 0, where tables have an end then, and no chord across a kink.
-                let negative = (0..points.count()).any(|k| points.amplitude(k) < 0.0);
-                if points.mixing() == PointMixing::Mean {
-                    let range = (0.0, carried.1 - carried.0);
-                    (false, range, range)
-                } else {
-                    (false, (if negative { f64::MIN / 4.0 } else { 0.0 }, f64::MAX / 4.0), carried)
-                }
+                // Sums may be any number, but of none below 0 they are not below 0, where tables have an end then, and no chord across a kink. Means,
+                // counted from the smallest value, lie between it and the largest.
+                let negative = || (0..points.count()).any(|k| points.amplitude(k) < 0.0);
+                let field = match points.mixing() {
+                    PointMixing::Mean => (0.0, carried.1 - carried.0),
+                    PointMixing::Sum => (if negative() { f64::MIN / 4.0 } else { 0.0 }, f64::MAX / 4.0),
+                };
+                (false, field, carried)
             }
         };
         let range = table_range(field, integer, calibration, transfer);

@@ -80,8 +80,7 @@ fn thin_sheets_come_to_the_reference() {
 fn equal_values_are_a_homogeneous_body() {
     // All supports together, in sheets of any thickness: no point is brighter than another, and none reflects.
     let points = cloud(PointKernel::CubicSpline, PointMixing::Sum, false);
-    let (positions, radii, weights) =
-        (points.positions().to_vec(), points.radii().to_vec(), points.weights().to_vec());
+    let (positions, radii, weights) = (points.positions().to_vec(), points.radii().to_vec(), points.weights().to_vec());
     let equal = PointSet::new(positions, radii, weights, vec![0.6; 40], PointKernel::CubicSpline).unwrap();
     let equal = equal.with_mixing(PointMixing::Mean).unwrap().with_colors(vec![[0.5, 1.0, 0.25]; 40]).unwrap();
     let plain = Scene::new(equal.into(), transfer());
