@@ -70,7 +70,7 @@ impl<'a> MeanPiece<'a> {
             mean.quotient = Poly::constant(0.5 * (low + high) - base);
             mean.poly = Poly::constant(0.5 * (low + high));
             let half = 0.5 * mean.width + f64::EPSILON * (low.abs() + high.abs());
-            let by_interpolation = !(quotient.missed <= quotient.rounded);
+            let by_interpolation = quotient.missed > quotient.rounded;
             (mean.missed, mean.rounded) = if by_interpolation { (half, 0.0) } else { (0.0, half) };
         }
         mean
