@@ -54,7 +54,7 @@ fn pictures_are_what_the_model_sums() {
                         // a mean of two rims is known to a part of its values, and its gradient not at all.
                         let (rmse, max) = match (kernel, mixing, name) {
                             (PointKernel::CubicSpline, PointMixing::Mean, "plain") => (6e-4, 2e-2),
-                            (PointKernel::CubicSpline, PointMixing::Mean, _) => (5e-3, 1e-1),
+                            (PointKernel::CubicSpline, PointMixing::Mean, _) => (8e-3, 2e-1),
                             _ => (4e-5, 1e-3),
                         };
                         assert!(m.rmse < rmse && m.max < max, "{kernel}, {mixing}, {colored}, {name}: {m}");
@@ -69,7 +69,7 @@ fn pictures_are_what_the_model_sums() {
 fn thin_sheets_come_to_the_reference() {
     for (mixing, colored) in [(PointMixing::Mean, false), (PointMixing::Mean, true), (PointMixing::Sum, true)] {
         for (name, scene) in scenes(cloud(PointKernel::CubicSpline, mixing, colored)) {
-            let view = view(&scene, 33.0, 21.0, None, 16);
+            let view = view(&scene, 33.0, 21.0, None, 12);
             let of = |slice_spacing| {
                 error(&Splatter { slice_spacing, termination: 1.0, ..Splatter::default() }, &scene, &view).rmse
             };
