@@ -85,8 +85,10 @@ fn means_and_colours_are_drawn() {
     for renderer in ["splat", "raycast", "physics"] {
         vr.run(&format!("render p.csv {flags} --renderer {renderer} -o {renderer}.exr")).succeeded();
     }
-    let difference = vr.run("diff raycast.exr physics.exr --json").succeeded().json();
-    assert!(difference.to_string().len() > 2, "{difference}");
+    for renderer in ["splat", "raycast"] {
+        // Sheets and steps of half a radius end where the body does, but for rays that graze it.
+        vr.run(&format!("diff {renderer}.exr physics.exr --fail-above 0.05")).succeeded();
+    }
     let run = vr.run("info p.csv --mixing mean --color-value Temperature --color-map cool-warm --json").succeeded();
     let json = run.json();
     assert_eq!((&json["mixing"], &json["colors"]), (&"mean".into(), &true.into()));
