@@ -134,7 +134,10 @@ impl Overrides {
                 self.set_some("volume.count", args.points_count, count);
             }
             Some(VolumeSource::Grid { grid, .. }) => self.grid(args, grid),
-            Some(VolumeSource::Points { kernel, .. }) => self.set_some("volume.kernel", args.kernel, kernel),
+            Some(VolumeSource::Points { kernel, mixing, .. }) => {
+                self.set_some("volume.kernel", args.kernel, kernel);
+                self.set_some("volume.mixing", args.mixing, mixing);
+            }
             None => {}
         }
         match (&section.source, given(args).find(|(field, _)| !self.fields.contains(field))) {
@@ -157,6 +160,10 @@ impl Overrides {
     fn points(&mut self, args: &VolumeArgs, points: &mut PointOptions) -> Result<(), Failure> {
         self.set_some("volume.value", args.value.clone(), &mut points.value);
         self.set_some("volume.kernel", args.kernel, &mut points.kernel);
+        self.set_some("volume.mixing", args.mixing, &mut points.mixing);
+        self.set_some("volume.color_value", args.color_value.clone(), &mut points.color_value);
+        self.set_some("volume.color_map", args.color_map, &mut points.color_map);
+        self.set_some("volume.color_range", args.color_range, &mut points.color_range);
         self.set_some("volume.radius", args.radius, &mut points.radius);
         self.set_some("volume.radius_scale", args.radius_scale, &mut points.radius_scale);
         let columns = &mut points.columns;
@@ -405,6 +412,10 @@ fn given(args: &VolumeArgs) -> impl Iterator<Item = (&'static str, String)> {
         ("volume.origin", shown(&args.origin)),
         ("volume.value", shown(&args.value)),
         ("volume.kernel", shown(&args.kernel)),
+        ("volume.mixing", shown(&args.mixing)),
+        ("volume.color_value", shown(&args.color_value)),
+        ("volume.color_map", shown(&args.color_map)),
+        ("volume.color_range", shown(&args.color_range)),
         ("volume.radius", shown(&args.radius)),
         ("volume.radius_scale", shown(&args.radius_scale)),
         ("volume.columns", shown(&args.position_columns).or_else(|| shown(&columns))),

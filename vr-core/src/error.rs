@@ -152,7 +152,7 @@ pub enum PointError {
         /// Number found.
         found: usize,
     },
-    /// Radii, weights or values that are not one for each point.
+    /// Radii, weights, values or colours that are not one for each point.
     #[error("found {found} {what} for {points} points: each must have one")]
     Length {
         /// Name of the list that is too long or too short.
@@ -177,6 +177,24 @@ pub enum PointError {
         point: usize,
         /// Its radius.
         found: f32,
+    },
+    /// A weight that a mean cannot divide by.
+    #[error(
+        "point {point}: found the weight {found}, must be positive where values or colours are mixed by a weighted mean"
+    )]
+    Weight {
+        /// Number of the point, from 0.
+        point: usize,
+        /// Its weight.
+        found: f32,
+    },
+    /// A colour that is not one.
+    #[error("point {point}: found the colour {found:?}, must be linear light between 0 and 1")]
+    Color {
+        /// Number of the point, from 0.
+        point: usize,
+        /// Its red, green and blue.
+        found: [f32; 3],
     },
     /// A weight or value that is not finite.
     #[error("point {point}: found the {what} {found}, must be finite")]

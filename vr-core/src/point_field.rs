@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::box_tree::LocalLine;
 use crate::parallel::collect;
+use crate::point_mixing::PointMixing;
 use crate::point_set::PointSet;
 use crate::ray::Ray;
 
@@ -57,34 +58,37 @@ impl PointSet {
     ///
     /// The sum is in f64 and always in the same order.
     pub fn field(&self, at: DVec3) -> Option<f64> {
+        if self.mixing() == PointMixing::Mean {
+            return self.mean_at(at);
+        }
         let mut sum = None;
-        self.index().each_around(at - self.index().middle(), |k| {
-            if at.distance(self.positions()[k]) < f64::from(self.radii()[k]) {
-                *sum.get_or_insert(0.0) += self.contribution(k, at);
-            }
-        });
+        self.each_around(at, |k| *sum.get_or_insert(0.0) += self.contribution(k, at));
         sum
     }
 
-    /// The gradient of the field per world unit at a world position: the sum of the kernels' own gradients; `None` in vacuum.
+    /// The gradient of the field per world unit at a world position, by the kernels' own gradients; `None` in vacuum.
     pub fn gradient(&self, at: DVec3) -> Option<DVec3> {
+        if self.mixing() == PointMixing::Mean {
+            return self.mean_gradient_at(at);
+        }
         let mut sum = None;
+        self.each_around(at, |k| *sum.get_or_insert(DVec3::ZERO) += self.contributed_gradient(k, at));
+        sum
+    }
+
+    /// Calls `visit` with each point whose support holds a world position.
+    pub(crate) fn each_around(&self, at: DVec3, mut visit: impl FnMut(usize)) {
         self.index().each_around(at - self.index().middle(), |k| {
             if at.distance(self.positions()[k]) < f64::from(self.radii()[k]) {
-                *sum.get_or_insert(DVec3::ZERO) += self.contributed_gradient(k, at);
+                visit(k);
             }
         });
-        sum
     }
 
     /// The points whose supports hold a world position, in ascending order.
     pub fn around(&self, at: DVec3) -> Vec<u32> {
         let mut found = Vec::new();
-        self.index().each_around(at - self.index().middle(), |k| {
-            if at.distance(self.positions()[k]) < f64::from(self.radii()[k]) {
-                found.push(k as u32);
-            }
-        });
+        self.each_around(at, |k| found.push(k as u32));
         found.sort_unstable();
         found
     }
@@ -122,8 +126,8 @@ impl PointSet {
         PointCrossings { offset, all }
     }
 
-    /// Smallest and largest value of the field at the points' own places (at up to 16 384 of them, evenly chosen by number). Elsewhere it may
-    /// be beyond them: down to 0 at the edge of a support, and a little higher between points. Computed once and kept.
+    /// Smallest and largest value of the field at the points' own places (at up to 16 384 of them, evenly chosen by number). Elsewhere a sum may
+    /// be beyond them, down to 0 at the edge of a support, and a little higher between points; a mean near its edge may, where one point reaches alone. Computed once and kept.
     pub fn value_range(&self) -> (f64, f64) {
         *self.range().get_or_init(|| {
             let places = self.count().min(MAX_PLACES);

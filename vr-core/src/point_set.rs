@@ -9,6 +9,7 @@ use crate::derived::Derived;
 use crate::error::PointError;
 use crate::limits::MAX_COORDINATE;
 use crate::point_kernel::PointKernel;
+use crate::point_mixing::PointMixing;
 
 /// Points that each carry a value, spread around them by a kernel.
 ///
@@ -16,7 +17,9 @@ use crate::point_kernel::PointKernel;
 /// Its gradient, by which it is shaded, is the sum of the kernels' own: Σ wₖ vₖ W'(|x − xₖ| / Rₖ) (x − xₖ) / (|x − xₖ| Rₖ⁴).
 ///
 /// With wₖ = the volume that a point stands for (its mass by its density) this is the interpolation of smoothed particle hydrodynamics:
-/// f follows the values. With wₖ = its mass and all vₖ = 1 it is the density.
+/// f follows the values. With wₖ = its mass and all vₖ = 1 it is the density. [`PointSet::with_mixing`] divides the sum by that of the weights.
+///
+/// Points may have colours besides ([`PointSet::with_colors`]), by which the transfer function's is multiplied.
 ///
 /// # Examples
 /// ```
@@ -37,6 +40,8 @@ pub struct PointSet {
     weights: Vec<f32>,
     values: Vec<f32>,
     kernel: PointKernel,
+    mixing: PointMixing,
+    colors: Option<Vec<[f32; 3]>>,
     bounds: (DVec3, DVec3),
     /// Tree of the supports, made when first asked for, then kept.
     index: OnceLock<BoxTree>,
@@ -84,7 +89,43 @@ impl PointSet {
         let high = (0..positions.len()).map(|k| positions[k] + reach(k)).reduce(DVec3::max);
         let bounds = (low.unwrap_or_default(), high.unwrap_or_default());
         let (index, range, derived) = (OnceLock::new(), OnceLock::new(), Arc::default());
-        Ok(Self { positions, radii, weights, values, kernel, bounds, index, range, derived })
+        let (mixing, colors) = (PointMixing::default(), None);
+        Ok(Self { positions, radii, weights, values, kernel, mixing, colors, bounds, index, range, derived })
+    }
+
+    /// The same points, whose values are mixed like this where supports overlap.
+    ///
+    /// # Errors
+    /// [`PointError::Weight`] for a mean by weights that are not all positive.
+    pub fn with_mixing(self, mixing: PointMixing) -> Result<Self, PointError> {
+        if mixing == PointMixing::Mean {
+            self.check_weights()?;
+        }
+        Ok(Self { mixing, range: OnceLock::new(), derived: Arc::default(), ..self })
+    }
+
+    /// The same points with a colour each, in linear light, by which that of the transfer function is multiplied. Where supports overlap, colours are
+    /// mixed by their weighted mean, Σ wₖ cₖ Wₖ / Σ wₖ Wₖ, however values are.
+    ///
+    /// # Errors
+    /// [`PointError`] for a list of another length than the points, a colour beyond 0 and 1, weights that are not all positive.
+    pub fn with_colors(self, colors: Vec<[f32; 3]>) -> Result<Self, PointError> {
+        if colors.len() != self.count() {
+            return Err(PointError::Length { what: "colours", found: colors.len(), points: self.count() });
+        }
+        let is_light = |color: &[f32; 3]| color.iter().all(|c| (0.0..=1.0).contains(c));
+        if let Some(point) = colors.iter().position(|color| !is_light(color)) {
+            return Err(PointError::Color { point, found: colors[point] });
+        }
+        self.check_weights()?;
+        Ok(Self { colors: Some(colors), derived: Arc::default(), ..self })
+    }
+
+    fn check_weights(&self) -> Result<(), PointError> {
+        match self.weights.iter().position(|&w| w <= 0.0) {
+            Some(point) => Err(PointError::Weight { point, found: self.weights[point] }),
+            None => Ok(()),
+        }
     }
 
     /// Number of points; at least one.
@@ -115,6 +156,16 @@ impl PointSet {
     /// The kernel that spreads each.
     pub fn kernel(&self) -> PointKernel {
         self.kernel
+    }
+
+    /// Combination of the values where supports overlap.
+    pub fn mixing(&self) -> PointMixing {
+        self.mixing
+    }
+
+    /// The colour of each in linear light, where they have any.
+    pub fn colors(&self) -> Option<&[[f32; 3]]> {
+        self.colors.as_deref()
     }
 
     /// Opposite corners of the smallest axis-parallel box around all supports.
@@ -154,23 +205,38 @@ impl PointSet {
         0.5 * self.radii.iter().map(|&r| f64::from(r)).sum::<f64>() / self.count() as f64
     }
 
-    /// Contribution of point k to the field at a world position.
+    /// Contribution of point k to the sum of values at a world position.
     pub fn contribution(&self, k: usize, at: DVec3) -> f64 {
-        let radius = f64::from(self.radii[k]);
-        self.amplitude(k) * self.kernel.at(at.distance(self.positions[k]) / radius)
+        self.amplitude(k) * self.kernel_at(k, at)
     }
 
     /// Gradient per world unit of the contribution of point k at a world position; 0 in the middle of a cone, which has none there.
     pub fn contributed_gradient(&self, k: usize, at: DVec3) -> DVec3 {
+        self.kernel_gradient(k, at) * self.amplitude(k)
+    }
+
+    /// W of point k at a world position.
+    pub(crate) fn kernel_at(&self, k: usize, at: DVec3) -> f64 {
+        self.kernel.at(at.distance(self.positions[k]) / f64::from(self.radii[k]))
+    }
+
+    /// Gradient of that per world unit.
+    pub(crate) fn kernel_gradient(&self, k: usize, at: DVec3) -> DVec3 {
         let radius = f64::from(self.radii[k]);
         let from = (at - self.positions[k]) / radius;
-        from * (self.amplitude(k) / radius * self.kernel.slope_by_distance(from.length()))
+        from * (self.kernel.slope_by_distance(from.length()) / radius)
     }
 
     /// wₖ vₖ / Rₖ³.
     pub fn amplitude(&self, k: usize) -> f64 {
         let radius = f64::from(self.radii[k]);
         f64::from(self.weights[k]) * f64::from(self.values[k]) / (radius * radius * radius)
+    }
+
+    /// wₖ / Rₖ³.
+    pub fn weight_density(&self, k: usize) -> f64 {
+        let radius = f64::from(self.radii[k]);
+        f64::from(self.weights[k]) / (radius * radius * radius)
     }
 }
 
@@ -209,5 +275,19 @@ mod tests {
         }
         assert!(matches!(set(&[[0.0; 3]], &[1.0], &[f32::NAN]), Err(PointError::Number { what: "value", .. })));
         assert!(matches!(set(&[[0.0; 3]], &[1.0, 1.0], &[1.0]), Err(PointError::Length { what: "radii", .. })));
+        let weighing = |weight: f32| {
+            PointSet::new(vec![DVec3::ZERO], vec![1.0], vec![weight], vec![1.0], PointKernel::default()).unwrap()
+        };
+        for weight in [0.0, -1.0] {
+            let refused = Err(PointError::Weight { point: 0, found: weight });
+            assert_eq!(weighing(weight).with_mixing(PointMixing::Mean).map(|_| ()), refused);
+            assert_eq!(weighing(weight).with_colors(vec![[1.0; 3]]).map(|_| ()), refused);
+            assert!(weighing(weight).with_mixing(PointMixing::Sum).is_ok());
+        }
+        assert!(matches!(weighing(1.0).with_colors(vec![]), Err(PointError::Length { what: "colours", .. })));
+        for light in [-0.1, 1.1, f32::NAN] {
+            let found = weighing(1.0).with_colors(vec![[0.0, light, 0.0]]);
+            assert!(matches!(found, Err(PointError::Color { point: 0, .. })), "{light}");
+        }
     }
 }

@@ -72,6 +72,11 @@ impl Volume {
         if let Self::Color(colors) = self { Some(colors) } else { None }
     }
 
+    /// True if its places have colours of their own, by which that of the transfer function is multiplied.
+    pub fn has_colors(&self) -> bool {
+        self.colors().is_some() || self.field().is_some_and(Field::has_colors)
+    }
+
     /// The grid of the values, of a grid with colours or without.
     pub fn value_grid(&self) -> Option<&Arc<GridVolume>> {
         self.grid().or_else(|| self.colors().map(|colors| colors.values()))

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 use vr_core::cells::CellValues;
-use vr_core::{AmrGrid, CellMesh, GridVolume, PointSet, RectilinearGrid, Volume, parallel, with_grid};
+use vr_core::{AmrGrid, CellMesh, GridVolume, PointMixing, PointSet, RectilinearGrid, Volume, parallel, with_grid};
 
 use crate::error::FileError;
 use crate::regular_file;
@@ -14,7 +14,7 @@ use crate::regular_file;
 const BLOCK: usize = 1 << 20;
 
 /// Hash, in 64 hexadecimal digits, of what a volume is, wherever it comes from: of a grid its size, type, placement, calibration and
-/// voxels; of a rectilinear grid its axes and values; of points their kernel, positions, radii, weights and values. `None` for other volumes. The filter does not count. A grid keeps its
+/// voxels; of a rectilinear grid its axes and values; of points their kernel, positions, radii, weights, values, mixing and colours. `None` for other volumes. The filter does not count. A grid keeps its
 /// hash, so that it is found once.
 ///
 /// It is the SHA-256 of a line of text and of the SHA-256 of each MiB, which takes as many threads as there are.
@@ -72,8 +72,17 @@ fn grid_hash(kind: &str, grid: &GridVolume, others: &[&[u8]]) -> String {
 fn points_hash(points: &PointSet) -> String {
     let positions: Vec<f64> = points.positions().iter().flat_map(|p| p.to_array()).collect();
     let columns = [points.radii(), points.weights(), points.values()].map(bytemuck::cast_slice);
-    let header = format!("points {} {:?}", points.count(), points.kernel());
-    digest(&header, &[bytemuck::cast_slice(&positions), columns[0], columns[1], columns[2]])
+    let mut header = format!("points {} {:?}", points.count(), points.kernel());
+    let mut parts = vec![bytemuck::cast_slice(&positions), columns[0], columns[1], columns[2]];
+    // Sums without colours keep the hash that they had before there were others.
+    if points.mixing() != PointMixing::Sum {
+        header += &format!(" {}", points.mixing());
+    }
+    if let Some(colors) = points.colors() {
+        header += " colours";
+        parts.push(bytemuck::cast_slice(colors));
+    }
+    digest(&header, &parts)
 }
 
 fn cells_hash(mesh: &CellMesh) -> String {

@@ -135,7 +135,7 @@
 //! | HDF5, feature `hdf5` | snapshots of Gadget's family (`PartType0/Coordinates`), dumps of Phantom (`particles/xyz`) | one kind of particle, datasets by name |
 //!
 //! [`read()`] gives a volume of points, and so does [`read_points`], whose page tells where radii, weights and values come from; [`PointOptions`]
-//! choose columns, the kernel and radii. Points that make no sense (a radius of 0, a position that is NaN) are refused by number or line and column.
+//! choose columns, the kernel, radii, the sum or the mean, and a column that colours are made of. Points that make no sense (a radius of 0, a position that is NaN) are refused by number or line and column.
 //! Cells are left out, which is said; grids whose cells have a volume and values become meshes, as follows.
 //!
 //! # Meshes of cells that are read

@@ -135,11 +135,11 @@ fn sections_come_back_as_they_were() {
          direction = [[0, 1, 0], [1, 0, 0], [0, 0, 1]]\nslope = 2\nintercept = -1\nfilter = \"gaussian\"",
         "path = \"x.nii\"\nframe = 1\ncomponent = 2\ntransform = \"qform\"",
         "path = \"scan\"\nseries = \"1.2.3\"\nlevel = 2",
-        "path = \"x.csv\"\nkernel = \"cone\"\nradius = 1\nradius_scale = 2\nvalue = \"T\"\ncolumns = {position = [\"a\", \"b\", \"c\"], mass = \"m\"}",
+        "path = \"x.csv\"\nkernel = \"cone\"\nradius = 1\nradius_scale = 2\nvalue = \"T\"\nmixing = \"mean\"\ncolor_value = \"u\"\ncolor_map = \"cool-warm\"\ncolor_range = [0, 2]\ncolumns = {position = [\"a\", \"b\", \"c\"], mass = \"m\"}",
         "phantom = \"fog\"\nsize = 9",
         "phantom = \"plummer\"\ncount = 7",
         "data = [0, nan, 2, 3, 4, 5, 6, 7]\ndims = [2, 2, 2]\ntype = \"f32\"\nslope = 2",
-        "points = [[0, 0, 0, 1, 2, 3]]\nkernel = \"gaussian\"",
+        "points = [[0, 0, 0, 1, 2, 3]]\nkernel = \"gaussian\"\nmixing = \"mean\"\npoint_colors = [[0, 0.5, 1]]",
         "filter = \"nearest\"",
     ] {
         let rest = "[shading]\nlights = [{direction = [0, 0, 1]}]\ngradient_opacity = [[0, 1], [2, 0.5]]\n[clip]\nbox = [[0, 0, 0], [1, 1, 1]]\n\

@@ -57,6 +57,8 @@ pub struct Survey {
     pub(crate) can_shade: bool,
     /// Source of the values, where voxels have colours.
     colors: Option<ColorValue>,
+    /// True if places have colours, which are shown as they are.
+    has_colors: bool,
     spacing: f64,
 }
 
@@ -90,6 +92,7 @@ impl Survey {
             integer: volume.grid().is_some_and(|grid| grid.voxel_type().is_integer()),
             can_shade,
             colors: volume.colors().map(|colors| colors.value_source()),
+            has_colors: volume.has_colors(),
             spacing: volume.mean_spacing(),
             lattice,
         }
@@ -101,13 +104,15 @@ impl Survey {
             Some(_) => (Kind::Color, scale_of_colors(&self.values)),
             None => kind_of(&self.lattice, &self.values, self.integer, hints.is_scan()),
         };
-        if !hints.compositing.integrates_light() {
-            return self.of_picked_values(kind, scale, hints.compositing);
-        }
-        match kind {
+        let mut look = match kind {
+            kind if !hints.compositing.integrates_light() => self.of_picked_values(kind, scale, hints.compositing),
             Kind::Labels(values) => self.of_labels(values),
             kind => self.of_values(kind, scale),
+        };
+        if self.has_colors {
+            look.points.iter_mut().for_each(|point| point.color = [1.0; 3]);
         }
+        look
     }
 
     /// The value is shown, not an opacity: grey over the values, or the one colour of a surface.

@@ -10,7 +10,8 @@
 //! 1. **Pieces.** A reconstructed field is a polynomial of s in every cell ([`GridLine`]): a cubic for trilinear, degree 9 for
 //!    tricubic filters. The ray is cut at cell faces and where the polynomial crosses a knot of the transfer function.
 //!    Scattered points ([`vr_core::field::PointLine`]) are a sum of kernels, smooth between the spheres that bound them; there it is interpolated, with a
-//!    bound on what that misses.
+//!    bound on what that misses. Their weighted mean, and that of their colours, is a quotient of two such sums, interpolated with the bound that its residual
+//!    gives, on pieces as short as that asks for.
 //! 2. **Quadrature.** On a piece κ and q are analytic. Clenshaw-Curtis rules integrate optical depth and light together.
 //! 3. **Bound.** What a rule misses is bounded beforehand, by how large the integrand is on ellipses in the complex plane around
 //!    the piece (not by the difference of two rules, which can be too small). Pieces are halved until the bound fits the

@@ -1,10 +1,9 @@
 //! Part of a ray inside the volume, and the field along it.
 
 use vr_core::filter::{Lattice, Reconstruction};
-use vr_core::{
-    ColorGrid, GradientMethod, IndexRay, LatticeVisitor, Real, Sampler, SamplerVisitor, Voxel, gradient_and_turn,
-};
+use vr_core::{GradientMethod, IndexRay, LatticeVisitor, Real, Sampler, SamplerVisitor, Voxel, gradient_and_turn};
 
+use crate::place_colors::PlaceColors;
 use crate::run::Run;
 use crate::source::Source;
 
@@ -14,8 +13,8 @@ use crate::source::Source;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Chord<'a> {
     pub(crate) source: &'a Source,
-    /// Colours of the voxels, where they have any.
-    pub(crate) colors: Option<&'a ColorGrid>,
+    /// Colours of the places, where they have any.
+    pub(crate) colors: Option<PlaceColors<'a>>,
     pub(crate) ray: IndexRay,
 }
 
@@ -48,17 +47,17 @@ impl Chord<'_> {
         }
     }
 
-    /// Fills the colours of the places of a run, where the voxels have any; `all` of them, or those where something shows.
+    /// Fills the colours of the places of a run, where they have any; `all` of them, or those where something shows.
     pub(crate) fn colors<R: Real>(&self, run: &mut Run<R>, all: bool) {
         let Some(colors) = self.colors else { return };
         for j in 0..run.len() {
             if all || run.light[j] != [R::ZERO; 4] {
-                run.color[j] = colors.color(run.position_of(j));
+                run.color[j] = colors.at(run.position_of(j));
             }
         }
     }
 
-    /// Multiplies the light of a run by the colours of its places, where the voxels have any.
+    /// Multiplies the light of a run by the colours of its places, where they have any.
     pub(crate) fn tint<R: Real>(&self, run: &mut Run<R>) {
         if self.colors.is_some() {
             (0..run.len()).for_each(|j| self.tint_step(run, j));
@@ -73,9 +72,9 @@ impl Chord<'_> {
         }
     }
 
-    /// Returns the colour of the place at a distance; white where voxels have none.
+    /// Returns the colour of the place at a distance; white where it has none.
     pub(crate) fn color_at(&self, distance: f64) -> [f64; 3] {
-        self.colors.map_or([1.0; 3], |colors| colors.color(self.position(distance)))
+        self.colors.map_or([1.0; 3], |colors| colors.at(self.position(distance)))
     }
 
     /// Returns the index-space position at a distance in the kernel's precision, clamped into the box like the positions of a run.

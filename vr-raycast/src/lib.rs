@@ -8,7 +8,7 @@
 //! 3. **Sample**: the field in each step, by the reconstruction filter.
 //! 4. **Classify**: values, looked up in the transfer function *after* reconstruction, become the light and the opacity of the step, by one
 //!    of the integration rules ([`Rule`]), with the light that the step absorbs itself taken off.
-//!    Voxels that have colours of their own ([`vr_core::ColorGrid`]) multiply that light by the colour at the sample.
+//!    Voxels that have colours of their own ([`vr_core::ColorGrid`]), and points, multiply that light by the colour at the sample.
 //! 5. **Shade**, where the scene is shaded, by the gradient at the sample, followed along its tangent over steps in which the normal turns
 //!    ([`vr_core::turning`]).
 //! 6. **Composite** with the scene's operator.
@@ -123,6 +123,7 @@ mod options;
 mod pace;
 mod packet;
 mod pipeline;
+mod place_colors;
 mod prepared;
 mod projection;
 mod ray_value;

@@ -3,13 +3,14 @@
 use glam::DVec3;
 use vr_core::field::Stretch;
 use vr_core::image_order::ImageSample;
-use vr_core::{Clip, ColorGrid, Counts, IndexRay, Layer, Probe, Ray, RayShading, Rays, Real, Scene, View};
+use vr_core::{Clip, Counts, IndexRay, Layer, Probe, Ray, RayShading, Rays, Real, Scene, View};
 
 use crate::caster::CompositingOrder;
 use crate::chord::Chord;
 use crate::classify::Classifier;
 use crate::operator::{Needs, Operator, Recording, operator};
 use crate::pace::Pace;
+use crate::place_colors::PlaceColors;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 use crate::shade::Shader;
@@ -25,7 +26,7 @@ use crate::walk::{StretchSteps, Walk, Walks, cut_walk, stretched_walk};
 pub(crate) struct Pipeline<'a, R> {
     pub(crate) scene: &'a Scene,
     pub(crate) source: &'a Source,
-    pub(crate) colors: Option<&'a ColorGrid>,
+    pub(crate) colors: Option<PlaceColors<'a>>,
     pub(crate) walks: Walks<'a>,
     /// Pace of rays through fields that know their stretches; `None` for grids.
     pub(crate) pace: Option<Pace<R>>,

@@ -12,6 +12,7 @@ use crate::leap::visibility;
 use crate::pace::Pace;
 use crate::packet::{PacketFrame, PatchFrame, PickFrame, PointFrame};
 use crate::pipeline::Pipeline;
+use crate::place_colors::PlaceColors;
 use crate::render_tables::{RenderTables, TablesByPrecision};
 use crate::screen;
 use crate::source::Source;
@@ -173,7 +174,7 @@ impl PreparedCaster {
         Ok(Pipeline {
             scene,
             source,
-            colors: scene.volume.colors().map(|colors| &**colors),
+            colors: PlaceColors::of(&scene.volume, source),
             walks: Walks {
                 kind: self.walk_kind(tables),
                 step: caster.longest_step(placement),

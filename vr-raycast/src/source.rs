@@ -124,6 +124,11 @@ impl FieldBox {
         }
     }
 
+    /// Returns the colour of a place in index space; `None` in vacuum, and of fields that have none.
+    pub(crate) fn color<R: Real>(&self, position: [R; 3]) -> Option<[f64; 3]> {
+        self.field().and_then(|field| field.color(self.world(position)))
+    }
+
     /// Fills the gradients of a placed run, per index step, where something absorbs or shines.
     pub(crate) fn gradients<R: Real>(&self, run: &mut Run<R>) {
         let to_index = self.placement.axes().transpose();

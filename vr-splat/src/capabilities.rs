@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use vr_core::{
-    Classification, Compositing, Configurable, Feature, Filter, GradientMethod, RenderError, Scene, Unsupported, View,
+    Classification, Compositing, Configurable, Feature, Filter, GradientMethod, PointMixing, PointSet, RenderError,
+    Scene, Unsupported, View,
 };
 use vr_kernels::tables::beyond_f32;
 
@@ -52,6 +53,9 @@ pub(crate) fn check(renderer: &Splatter, scene: &Scene) -> Result<SplatInput, Re
             "another kernel, radius, sigma or width than the default for scattered points: they have kernels of their own",
         ));
     }
+    if let SplatInput::Points(points) = &input {
+        check_mixture(renderer, scene, points)?;
+    }
     check_shading(renderer, scene, &input)?;
     // Order and compositing.
     if renderer.order == CompositingOrder::BackToFront
@@ -70,6 +74,25 @@ pub(crate) fn check(renderer: &Splatter, scene: &Scene) -> Result<SplatInput, Re
         _ => {}
     }
     Ok(input)
+}
+
+/// Checks that weights can be divided out where points are averaged, or their colours.
+fn check_mixture(renderer: &Splatter, scene: &Scene, points: &PointSet) -> Result<(), RenderError> {
+    let what = match (points.mixing(), points.colors()) {
+        (PointMixing::Sum, None) => return Ok(()),
+        (PointMixing::Mean, _) => "means of scattered points",
+        (PointMixing::Sum, Some(_)) => "colours of scattered points",
+    };
+    if renderer.splats_light() || renderer.buffers != Buffers::Image {
+        let why = "but of values in sheets parallel to the image: others hold no weights to divide by";
+        return Err(unsupported(Feature::Setting, format!("{what} {why}")));
+    }
+    if points.colors().is_some() && !scene.compositing.integrates_light() {
+        let operator = scene.compositing.name();
+        let why = format!("under '{operator}': a picked value does not say where it was, nor its colour");
+        return Err(unsupported(Feature::Compositing, format!("colours of scattered points {why}")));
+    }
+    Ok(())
 }
 
 /// Checks that a kernel is the grid's filter, or the filter the default.

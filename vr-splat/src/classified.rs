@@ -1,7 +1,7 @@
 //! Tables that follow from the transfer function, and the voxels or points that are splatted under it.
 
 use vr_core::filter::Lattice;
-use vr_core::{GridVolume, LatticeVisitor, Scene, Voxel};
+use vr_core::{GridVolume, LatticeVisitor, PointMixing, Scene, Voxel};
 use vr_kernels::ranges::VisibleLevels;
 use vr_kernels::tables::{BakedTransfer, table_range};
 use vr_kernels::vector::OpticsTable;
@@ -9,6 +9,7 @@ use vr_kernels::vector::OpticsTable;
 use crate::ghosts::{BEYOND, Ghosts, Vacuum};
 use crate::input::{SplatInput, offset, unit};
 use crate::kernel::Shape;
+use crate::point_mixture::PointMixture;
 use crate::ramps::Ramps;
 use crate::splatter::{Buffers, Splatter};
 use crate::visible::{VisibleVoxels, missing, visible_levels};
@@ -24,6 +25,8 @@ pub(crate) struct Classified {
     pub(crate) resolved: bool,
     /// The ramps themselves, for points whose table does not tell them apart.
     pub(crate) ramps: Option<Ramps>,
+    /// What points carry, where their field is a mean or they have colours.
+    pub(crate) mixture: Option<PointMixture>,
 }
 
 /// Voxels or points that are splatted.
@@ -51,9 +54,14 @@ impl Classified {
             SplatInput::Points(points) => {
                 let values = || points.values().iter().map(|&v| f64::from(v));
                 let carried = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
-                // Sums may be any number, but of none below 0 they are not below 0, where tables have an end then, and no chord across a kink.
-                let negative = (0..points.count()).any(|k| points.amplitude(k) < 0.0);
-                (false, (if negative { f64::MIN / 4.0 } else { 0.0 }, f64::MAX / 4.0), carried)
+                // Sums may be any number, but of none below 0 they are not below 0, where tables have an end then, and no chord across a kink. Means,
+                // counted from the smallest value, lie between it and the largest.
+                let negative = || (0..points.count()).any(|k| points.amplitude(k) < 0.0);
+                let field = match points.mixing() {
+                    PointMixing::Mean => (0.0, carried.1 - carried.0),
+                    PointMixing::Sum => (if negative() { f64::MIN / 4.0 } else { 0.0 }, f64::MAX / 4.0),
+                };
+                (false, field, carried)
             }
         };
         let range = table_range(field, integer, calibration, transfer);
@@ -90,10 +98,17 @@ impl Classified {
             }
         };
         let ramps = match input {
-            SplatInput::Points(_) if !resolved => Ramps::new(transfer, unit(input)),
+            // Ramps are of values as they are; those of means count from the smallest.
+            SplatInput::Points(points) if !resolved && points.mixing() == PointMixing::Sum => {
+                Ramps::new(transfer, unit(input))
+            }
             _ => None,
         };
-        Self { visible, light, values, resolved, ramps }
+        let mixture = match (input, &visible) {
+            (SplatInput::Points(points), Visible::Points(visible)) => PointMixture::new(points, visible),
+            _ => None,
+        };
+        Self { visible, light, values, resolved, ramps, mixture }
     }
 }
 

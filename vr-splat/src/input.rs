@@ -6,6 +6,7 @@ use glam::{DMat3, DVec3};
 use vr_core::{Calibration, GridVolume, PointSet};
 
 use crate::kernel::Profile;
+use crate::point_mixture::smallest_mean;
 use crate::splatter::Splatter;
 
 /// The data that are splatted.
@@ -37,10 +38,16 @@ pub(crate) fn kernel_space(renderer: &Splatter, grid: &GridVolume) -> DMat3 {
     DMat3::from_diagonal(DVec3::from_array(reach.map(|r| 1.0 / r))) * grid.placement().inverse_axes()
 }
 
-/// Offset subtracted from a grid's stored numbers before they are splatted, and calibration of the rest: sums of small numbers round less, and a constant
+/// Offset subtracted from a grid's stored numbers, or from values of points whose mean is taken, before they are splatted, and calibration of the rest: sums of small numbers round less, and a constant
 /// stays one.
 pub(crate) fn offset(input: &SplatInput) -> (f32, Calibration) {
-    let SplatInput::Grid(grid) = input else { return (0.0, Calibration::default()) };
+    let grid = match input {
+        SplatInput::Grid(grid) => grid,
+        SplatInput::Points(points) => {
+            let low = smallest_mean(points).unwrap_or(0.0);
+            return (low as f32, Calibration { intercept: low, ..Calibration::default() });
+        }
+    };
     let low = grid.value_stats().range.map_or(0.0, |(low, _)| low);
     let calibration = grid.calibration();
     (low, Calibration { intercept: calibration.value(low.into()), ..calibration })

@@ -49,6 +49,10 @@
 //! A [`vr_core::PointSet`] brings kernels and radii of its own. Values are summed and classified sheet by sheet, or, with
 //! [`Classification::Pre`](vr_core::Classification::Pre), each point is classified by its value and what it emits and absorbs is spread: κ(x) = Σ wₖ κ(vₖ) Wₖ(x).
 //!
+//! Where the field is their weighted mean ([`vr_core::PointMixing::Mean`]), or they have colours, each sheet sums weights besides, and its value is
+//! Σ wₖ vₖ ∫Wₖ / Σ wₖ ∫Wₖ over what supports cover, its colour likewise, its gradient by the quotient rule: of the order 2 in the distance of sheets within
+//! the supports, of the order 1 where a mean begins with a jump. At the rim of supports, where all kernels are below 10⁻⁶ of their integral, they count as that.
+//!
 //! # What it integrates
 //! [`vr_core::Prepared::model`] gives θ and b of every sheet or splat along a ray, computed in f64: `Discrete` under `over`. Under every other operator it is
 //! `Canonical`, the pixel that bilinear weights converge to; the other kernels smooth, and have a value of their own.
@@ -77,7 +81,8 @@
 //! Vacuum is known to a sheet, and errors at its faces fall with the distance of sheets by the order 1; so with `average` there.
 //!
 //! # What cannot be drawn
-//! Answered by [`vr_core::RenderError::Unsupported`]: the volume's own sheets of points, which have no layers; another kernel for points than their own, or
+//! Answered by [`vr_core::RenderError::Unsupported`]: the volume's own sheets of points, which have no layers; means and colours of points but of values in
+//! sheets parallel to the image, and colours of points under operators that pick a value; another kernel for points than their own, or
 //! beside a filter of the scene that is not trilinear, for a voxel is spread by one of them; the B-spline but of values in sheets parallel to the image, for its coefficients are a field only all together; analytic gradients of voxels on their own
 //! under linear weights or cones, which have a kink there, and in the volume's own sheets, which have no slope across their layer; of
 //! what is classified before it is splatted, maximum, minimum, average and first: light has no value to compare; back to front but of the volume's own
@@ -101,6 +106,7 @@ mod model;
 mod options;
 mod point_gradients;
 mod point_lights;
+mod point_mixture;
 mod prepared;
 mod projection;
 mod ramps;

@@ -196,7 +196,7 @@ impl PreparedSplatter {
         } else {
             None
         };
-        let (low_pass, numbered) = (self.renderer.low_pass, lights.is_some());
+        let (low_pass, numbered) = (self.renderer.low_pass, lights.is_some() || self.classified.mixture.is_some());
         let source = PointSplats { points, visible, view: &splat_view, low_pass, numbered };
         let light = match &lights {
             Some(rows) => SplatLight::OfSample(rows),
@@ -271,6 +271,7 @@ impl PreparedSplatter {
                         Classifier::Exact(&exact)
                     },
                     normalised: grid.is_some(),
+                    mixture: self.classified.mixture.as_ref(),
                     cells,
                     shader: shader.as_ref(),
                 }

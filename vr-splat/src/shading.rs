@@ -39,6 +39,20 @@ pub(crate) struct Pieces {
     pub(crate) length: Lanes,
     /// The table's rows of the values, and lengths in its unit; `None` where they were classified one by one, or opacity is what it is.
     pub(crate) optics: Option<StepOptics>,
+    /// Colours of their places, by which light is multiplied before it reflects, where points have any.
+    pub(crate) tint: Option<[Lanes; 3]>,
+}
+
+impl Pieces {
+    /// Multiplies light by the colours of places.
+    #[inline(always)]
+    fn tint<S: Simd>(&self, simd: S, light: &mut [Lanes; 4]) {
+        if let Some(tint) = &self.tint {
+            for c in 0..3 {
+                light[c] = Lanes::new(light[c].load(simd) * tint[c].load(simd));
+            }
+        }
+    }
 }
 
 /// Gradients of pieces.
@@ -102,12 +116,14 @@ impl<'a> Shader<'a> {
                 if let Some(optics) = modulated {
                     shade.modulate(simd, gradient, optics, light);
                 }
+                pieces.tint(simd, light);
                 if self.optics.reflects {
                     shade.apply_to_gradients(simd, gradient, light);
                 }
             }
             _ => {
                 let gradient = self.one_by_one(pieces, light);
+                pieces.tint(simd, light);
                 if self.optics.reflects {
                     shade.apply_to_gradients(simd, &gradient, light);
                 }

@@ -10,7 +10,7 @@ use vr_core::rectilinear::Centering;
 use vr_core::{
     AmrGrid, Calibration, Camera, CellMesh, Clip, ColorGrid, Compositing, Control, ControlPoint, FacetHit, Feature,
     Filter, GradientMethod, GridVolume, Layer, Light, NamedSetting, OpacityRule, Placement, Plane, PointKernel,
-    PointSet, Ray, RectilinearGrid, RenderError, Scene, Shading, StudiedRenderer, SurfaceTracer, Surfaces,
+    PointMixing, PointSet, Ray, RectilinearGrid, RenderError, Scene, Shading, StudiedRenderer, SurfaceTracer, Surfaces,
     TransferFunction, UniformGrid, View, Volume,
 };
 
@@ -259,7 +259,10 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
     let camera = |fov| Camera::framing(plain.volume.bounds(), 30.0, 20.0, fov);
     let view = View::new(camera(None), [8, 8]);
     let points = PointSet::new(vec![DVec3::ONE], vec![1.0], vec![1.0], vec![1.0], PointKernel::CubicSpline);
-    let points = Volume::from(points.expect("a point"));
+    let points = points.expect("a point");
+    let mean = Volume::from(points.clone().with_mixing(PointMixing::Mean).expect("a positive weight"));
+    let tinted = Volume::from(points.clone().with_colors(vec![[0.5; 3]]).expect("a colour"));
+    let points = Volume::from(points);
     let mesh = CellMesh::of_grid(plain.volume.grid().expect("a grid")).expect("cells");
     let ramp = |n: usize| (0..n * n * n).map(|i| (i % n) as f32 / n as f32).collect::<Vec<f32>>();
     let axis = vec![0.0, 0.5, 2.0];
@@ -290,6 +293,8 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
     vec![
         of_scene("volume: uniform grid", plain.clone()),
         of_scene("volume: scattered points", with_volume(points.clone())),
+        of_scene("weighted mean of scattered points", with_volume(mean)),
+        of_scene("colours of scattered points", with_volume(tinted)),
         of_scene("volume: mesh of cells", with_volume(mesh.into())),
         of_scene("volume: rectilinear grid", with_volume(uneven.expect("a grid").into())),
         of_scene("volume: adaptive mesh", with_volume(adaptive.expect("a mesh").into())),

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use vr_core::PointKernel;
+use vr_core::transfer::ColorMap;
+use vr_core::{PointKernel, PointMixing};
 use vr_io::{CellsOrPoints, Endian, ScalarType, Transform};
 
 use super::value;
@@ -68,6 +69,18 @@ pub struct VolumeArgs {
     /// Points: kernel that spreads each (cubic-spline, gaussian or cone)
     #[arg(long, value_name = "NAME", value_parser = value::word::<PointKernel>)]
     pub kernel: Option<PointKernel>,
+    /// Points: field where kernels overlap, their sum or the mean of the values weighted by them
+    #[arg(long, value_name = "WHICH", value_parser = value::word::<PointMixing>)]
+    pub mixing: Option<PointMixing>,
+    /// Points: column or array that points have their colours of; opacity follows the values
+    #[arg(long, value_name = "NAME")]
+    pub color_value: Option<String>,
+    /// Points: colours of that column (viridis, inferno or cool-warm)
+    #[arg(long, value_name = "NAME", value_parser = value::word::<ColorMap>)]
+    pub color_map: Option<ColorMap>,
+    /// Points: numbers of the first and of the last of these colours; without it, the smallest and the largest
+    #[arg(long, value_name = "LOW,HIGH", value_parser = value::pair, allow_hyphen_values = true)]
+    pub color_range: Option<[f64; 2]>,
     /// Points: radius of all kernels in world units, in place of the file's; twice a smoothing length
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub radius: Option<f64>,

@@ -14,6 +14,10 @@ pub struct PointsInfo<'a> {
     facts: Facts<'a>,
     points: usize,
     kernel: &'static str,
+    /// Combination of values where kernels overlap.
+    mixing: &'static str,
+    /// True if points have colours.
+    colors: bool,
     /// Smallest and largest radius of the points.
     radius: [f32; 2],
     weight_sum: f64,
@@ -30,6 +34,8 @@ impl<'a> PointsInfo<'a> {
             facts: Facts::new(title, loaded, points.bounds(), Some((min, max))),
             points: points.count(),
             kernel: points.kernel().name(),
+            mixing: points.mixing().name(),
+            colors: points.colors().is_some(),
             radius: ends(points.radii()),
             weight_sum: points.weights().iter().map(|&w| f64::from(w)).sum(),
             values: ends(points.values()),
@@ -40,13 +46,14 @@ impl<'a> PointsInfo<'a> {
     /// Returns lines for people.
     pub fn text(&self) -> String {
         let mut lines = self.facts.begin("positions");
-        lines.add("size", format!("{} points, spread by a {} kernel", self.points, self.kernel));
+        let colors = if self.colors { ", with colours" } else { "" };
+        lines.add("size", format!("{} points, spread by a {} kernel{colors}", self.points, self.kernel));
         lines.add("bounds", format!("{}, with all supports", self.facts.bounds()));
         let range = |[low, high]: [f64; 2]| format!("{} to {}", number::value(low), number::value(high));
         lines.add("radii", range(self.radius.map(f64::from)));
         lines.add("weights", format!("{} in all", number::value(self.weight_sum)));
         lines.add("values", range(self.values.map(f64::from)));
-        lines.add("field", format!("within {}", range(self.field)));
+        lines.add("field", format!("{} of what is spread, within {}", self.mixing, range(self.field)));
         self.facts.end(lines, None, "")
     }
 }

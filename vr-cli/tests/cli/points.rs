@@ -75,3 +75,40 @@ fn real_points() {
     assert!(run.stdout.contains("halo_low_res.npy, 32314 points"), "{}", run.stdout);
     assert!(run.stderr.contains("58th neighbour"), "{}", run.stderr);
 }
+
+#[test]
+fn means_and_colours_are_drawn() {
+    let vr = Vr::new();
+    vr.write("p.csv", CSV);
+    // The mean of one value is that value wherever a support reaches: one colour times the opacity.
+    let flags = "--value 1 --mixing mean --point 0,1,1,1,0.2 --point 2,1,1,1,0.2 --size 16 --error none";
+    for renderer in ["splat", "raycast", "physics"] {
+        vr.run(&format!("render p.csv {flags} --renderer {renderer} -o {renderer}.exr")).succeeded();
+    }
+    for renderer in ["splat", "raycast"] {
+        // Sheets and steps of half a radius end where the body does, but for rays that graze it.
+        vr.run(&format!("diff {renderer}.exr physics.exr --fail-above 0.05")).succeeded();
+    }
+    let run = vr.run("info p.csv --mixing mean --color-value Temperature --color-map cool-warm --json").succeeded();
+    let json = run.json();
+    assert_eq!((&json["mixing"], &json["colors"]), (&"mean".into(), &true.into()));
+    assert!(run.stderr.contains("colours: 'Temperature' from 10 to 30, by cool-warm"), "{}", run.stderr);
+    vr.run("render p.csv --color-value Temperature --value 1 --size 16 --error none -o colors.png").succeeded();
+    for (arguments, code, words) in [
+        ("p.csv --color-map inferno", 2, &["volume.color_map", "color_value"][..]),
+        ("p.csv --color-value Temperature --color-range 3,3", 2, &["volume.color_range"]),
+        ("p.csv --color-value Pressure", 1, &["color_value", "Pressure", "Temperature"]),
+        ("p.csv --mixing median", 2, &["--mixing", "mean"]),
+        ("--phantom fog --mixing mean", 2, &["volume.mixing"]),
+    ] {
+        let error = vr.run(&format!("info {arguments}")).failed(code);
+        for word in words {
+            assert!(error.contains(word), "{arguments}: no {word:?} in {error}");
+        }
+    }
+    // A weight that is no divisor.
+    vr.write("zero.csv", CSV.replace("30,1", "30,0"));
+    let error = vr.run("info zero.csv --mixing mean --column weight=m").failed(1);
+    assert!(error.contains("point 2") && error.contains("weight 0"), "{error}");
+    vr.run("info zero.csv --column weight=m").succeeded();
+}

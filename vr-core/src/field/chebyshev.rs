@@ -49,14 +49,27 @@ pub fn interpolation(degree: usize) -> &'static Interpolation {
 }
 
 impl Interpolation {
-    /// The polynomial through values at the nodes, less its last coefficients as long as they are no more than `noise`; and an upper bound
-    /// of the sum of those that were dropped.
-    pub fn through(&self, values: &[f64], noise: f64) -> (Poly, f64) {
-        // Chebyshev coefficients, less the last ones that are noise.
+    /// Chebyshev coefficients of the polynomial through values at the nodes.
+    fn coefficients(&self, values: &[f64]) -> [f64; MAX_DEGREE + 1] {
         let mut c = [0.0; MAX_DEGREE + 1];
         for (c, row) in c.iter_mut().zip(&self.rows) {
             *c = row.iter().zip(values).map(|(w, v)| w * v).sum();
         }
+        c
+    }
+
+    /// The constant of the polynomial through values at the nodes, and the sum of its other Chebyshev coefficients' sizes, which bounds its distance
+    /// from that on [−1, 1].
+    pub(super) fn constant_and_spread(&self, values: &[f64]) -> (f64, f64) {
+        let c = self.coefficients(values);
+        (c[0], c[1..].iter().map(|c| c.abs()).sum())
+    }
+
+    /// The polynomial through values at the nodes, less its last coefficients as long as they are no more than `noise`; and an upper bound
+    /// of the sum of those that were dropped.
+    pub fn through(&self, values: &[f64], noise: f64) -> (Poly, f64) {
+        // Chebyshev coefficients, less the last ones that are noise.
+        let c = self.coefficients(values);
         let (mut degree, mut dropped) = (self.nodes.len() - 1, 0.0);
         while degree > 0 && c[degree].abs() <= noise {
             dropped += c[degree].abs();

@@ -14,6 +14,8 @@ mod kernel_shape;
 mod kernel_slope;
 mod line;
 mod point_line;
+mod point_mean;
+mod point_sums;
 mod point_supports;
 mod points;
 mod poly;
@@ -86,6 +88,17 @@ pub trait Field: Send + Sync + fmt::Debug {
 
     /// The gradient per world unit at a world position; `None` in vacuum, and for a field that has none.
     fn gradient(&self, _at: DVec3) -> Option<DVec3> {
+        None
+    }
+
+    /// True if places have colours, by which that of the transfer function is multiplied.
+    fn has_colors(&self) -> bool {
+        false
+    }
+
+    /// The colour of a world position, linear light between 0 and 1, by which that of the transfer function is multiplied; `None` in vacuum, and for a
+    /// field that has none.
+    fn color(&self, _at: DVec3) -> Option<[f64; 3]> {
         None
     }
 

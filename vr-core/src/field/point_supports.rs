@@ -15,8 +15,11 @@ pub(super) struct Support {
     pub(super) across: [f64; 3],
     pub(super) square: f64,
     pub(super) per_radius: f64,
-    /// Factor of the shape.
+    /// Factor of the shape in the sum of values, and in that of weights.
     pub(super) amplitude: f64,
+    pub(super) weight: f64,
+    /// Number of the point.
+    pub(super) point: u32,
     /// Largest displacement by rounding, in radii.
     pub(super) displaced: f64,
     pub(super) kernel: PointKernel,
@@ -108,11 +111,18 @@ pub(super) fn cuts(supports: &[Support], ends: [f64; 2], gradients: bool) -> Vec
 /// gradient vanishes there with the square of the distance, and on a short piece its direction has all its digits.
 fn beside_vacuum(supports: &[Support], mut wish: impl FnMut(f64)) {
     const QUARTERINGS: i32 = 20;
-    let mut chords: Vec<[f64; 2]> = supports
-        .iter()
-        .filter(|s| !jumps_at_edge(s.kernel))
-        .map(|s| [s.nearest - s.half, s.nearest + s.half])
-        .collect();
+    let ends = supports.iter().filter(|s| !jumps_at_edge(s.kernel)).map(|s| [s.nearest - s.half, s.nearest + s.half]);
+    for [from, to] in joined(ends.collect()) {
+        for k in 1..=QUARTERINGS {
+            let near = (to - from) * 0.25f64.powi(k);
+            wish(from + near);
+            wish(to - near);
+        }
+    }
+}
+
+/// The parts of a ray that chords of supports cover, ascending.
+pub(super) fn joined(mut chords: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     chords.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
     let mut parts: Vec<[f64; 2]> = Vec::new();
     for [from, to] in chords {
@@ -121,13 +131,7 @@ fn beside_vacuum(supports: &[Support], mut wish: impl FnMut(f64)) {
             _ => parts.push([from, to]),
         }
     }
-    for [from, to] in parts {
-        for k in 1..=QUARTERINGS {
-            let near = (to - from) * 0.25f64.powi(k);
-            wish(from + near);
-            wish(to - near);
-        }
-    }
+    parts
 }
 
 /// The supports of each piece, by counting.

@@ -6,6 +6,7 @@ use crate::grid::Calibration;
 use crate::grid_volume::{GridVolume, LatticeVisitor};
 use crate::missing::VacuumCells;
 use crate::parallel;
+use crate::point_mixing::PointMixing;
 use crate::point_set::PointSet;
 use crate::rectilinear::RectilinearGrid;
 use crate::volume::Volume;
@@ -41,7 +42,7 @@ impl Integral {
             Volume::Grid(grid) if grid.filter() == Filter::Trilinear => Some(of_grid(grid)),
             Volume::Cells(mesh) => Some(of_cells(mesh)),
             Volume::Rectilinear(grid) => Some(of_rectilinear(grid)),
-            Volume::Points(points) => Some(of_points(points)),
+            Volume::Points(points) if points.mixing() == PointMixing::Sum => Some(of_points(points)),
             _ => None,
         }
     }

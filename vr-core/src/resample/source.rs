@@ -42,6 +42,9 @@ impl<'a> Source<'a> {
         if volume.colors().is_some() {
             return refused("its voxels have colours; take one of its components");
         }
+        if volume.has_colors() {
+            return refused("its points have colours, which values of voxels would lose; leave the colours out");
+        }
         if volume.field().is_some_and(Field::values_are_codes) {
             return refused(
                 "its values are codes of labels, between which there is nothing; resample the volume without them",

@@ -21,6 +21,56 @@ pub fn cool_warm(t: f64) -> [f64; 3] {
     diverging(of_bytes([59, 76, 192]), of_bytes([180, 4, 38]), t.clamp(0.0, 1.0))
 }
 
+/// A colour map by name.
+///
+/// # Examples
+/// ```
+/// use vr_core::transfer::{ColorMap, viridis};
+///
+/// let map = ColorMap::from_name("viridis").expect("one of them");
+/// assert_eq!(map.at(0.25), viridis(0.25));
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum ColorMap {
+    /// [`viridis`].
+    #[default]
+    Viridis,
+    /// [`inferno`].
+    Inferno,
+    /// [`cool_warm`].
+    CoolWarm,
+}
+
+impl ColorMap {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Viridis, Self::Inferno, Self::CoolWarm];
+
+    /// Name in scene files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Viridis => "viridis",
+            Self::Inferno => "inferno",
+            Self::CoolWarm => "cool-warm",
+        }
+    }
+
+    /// The colour map of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|map| map.name() == name)
+    }
+
+    /// The linear light of a fraction.
+    pub fn at(self, t: f64) -> [f64; 3] {
+        match self {
+            Self::Viridis => viridis(t),
+            Self::Inferno => inferno(t),
+            Self::CoolWarm => cool_warm(t),
+        }
+    }
+}
+
 fn of_gradient(gradient: Gradient, t: f64) -> [f64; 3] {
     of_bytes(gradient.eval_continuous(t).into_array())
 }

@@ -7,7 +7,7 @@ mod presets;
 mod rows;
 mod srgb;
 
-pub use colormap::{cool_warm, inferno, viridis};
+pub use colormap::{ColorMap, cool_warm, inferno, viridis};
 pub use lab::Lab;
 pub use msh::{Msh, diverging};
 pub use presets::{HounsfieldScale, Preset, PresetFamily, PresetUnit, is_hounsfield};

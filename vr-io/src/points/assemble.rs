@@ -52,13 +52,13 @@ pub(super) fn assemble(
     };
     let length = (|x: f64| x > 1e-30 && x < 1e30, "must be positive, between 1e-30 and 1e30");
     let finite = (|x: f64| (x as f32).is_finite(), "must be finite, and below 3.4e38");
-    let Roles { radius, smoothing, mass, density, weight, value } = &columns;
+    let Roles { radius, smoothing, mass, density, weight, value, color } = &columns;
     for (column, what) in [(radius, "radius"), (smoothing, "smoothing length"), (density, "density")] {
         if let Some(column) = column {
             all(column, what, length.1, length.0)?;
         }
     }
-    for (column, what) in [(mass, "mass"), (weight, "weight"), (value, "value")] {
+    for (column, what) in [(mass, "mass"), (weight, "weight"), (value, "value"), (color, "color_value")] {
         if let Some(column) = column {
             all(column, what, finite.1, finite.0)?;
         }
@@ -110,7 +110,27 @@ pub(super) fn assemble(
     };
     let (weights, values) = (single(weights, "weight")?, single(values, "value")?);
     let radii = single(scaled, "radius")?;
-    Ok(PointSet::new(positions, radii, weights, values, options.kernel.unwrap_or_default())?)
+    let points = PointSet::new(positions, radii, weights, values, options.kernel.unwrap_or_default())?;
+    // Mix values, and make colours.
+    let points = points.with_mixing(options.mixing.unwrap_or_default())?;
+    match (color, &options.color_value) {
+        (Some(color), _) => Ok(points.with_colors(colors(color, options, notes))?),
+        (None, Some(name)) => {
+            let allowed = "this file has no column besides the positions, of which colours could be made";
+            Err(FileErrorKind::field("color_value", name, allowed))
+        }
+        (None, None) => Ok(points),
+    }
+}
+
+/// Colours of a column's numbers.
+fn colors(column: &Column, options: &PointOptions, notes: &mut Vec<String>) -> Vec<[f32; 3]> {
+    let ends = || column.numbers.iter().fold([f64::MAX, f64::MIN], |[l, h], &x| [l.min(x), h.max(x)]);
+    let [low, high] = options.color_range.unwrap_or_else(ends);
+    let map = options.color_map.unwrap_or_default();
+    notes.push(format!("colours: '{}' from {low} to {high}, by {}", column.name, map.name()));
+    let fraction = |x: f64| if high > low { (x - low) / (high - low) } else { 0.5 };
+    column.numbers.iter().map(|&x| map.at(fraction(x)).map(|c| c.clamp(0.0, 1.0) as f32)).collect()
 }
 
 /// Formats a number, with an exponent where there would be many zeros.

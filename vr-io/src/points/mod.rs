@@ -16,7 +16,8 @@ use std::path::Path;
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use vr_core::{ParameterError, PointKernel, PointSet};
+use vr_core::transfer::ColorMap;
+use vr_core::{ParameterError, PointKernel, PointMixing, PointSet};
 
 use crate::detect::{Format, detect};
 use crate::error::{FileError, FileErrorKind};
@@ -44,6 +45,14 @@ pub struct PointOptions {
     pub radius_scale: Option<f64>,
     /// The column or array of the values; `1` for a value of 1 at every point.
     pub value: Option<String>,
+    /// Combination of values where supports overlap; their sum if absent.
+    pub mixing: Option<PointMixing>,
+    /// The column or array of numbers that colour maps make colours of, which points have then; none if absent.
+    pub color_value: Option<String>,
+    /// The colour map; the default one if absent.
+    pub color_map: Option<ColorMap>,
+    /// Numbers of the colour map's first colour and of its last; the smallest and the largest there are if absent.
+    pub color_range: Option<[f64; 2]>,
     /// The other columns or arrays.
     #[serde(skip_serializing_if = "PointColumns::is_empty")]
     pub columns: PointColumns,
@@ -78,12 +87,24 @@ impl PointOptions {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// A radius or factor that is not positive and finite.
+    /// A radius or factor that is not positive and finite; a range of colours that is none, or choices about colours where none are asked for.
     pub fn validate(&self) -> Result<(), ParameterError> {
         for (field, number) in [("volume.radius", self.radius), ("volume.radius_scale", self.radius_scale)] {
             if let Some(x) = number.filter(|&x| !(x > 1e-30 && x < 1e30)) {
                 return Err(ParameterError::new(field, x, "must be positive, between 1e-30 and 1e30"));
             }
+        }
+        if let Some([low, high]) =
+            self.color_range.filter(|[low, high]| !(high - low > 0.0 && (high - low).is_finite()))
+        {
+            let allowed = "must be two finite numbers, the first below the second";
+            return Err(ParameterError::new("volume.color_range", [low, high], allowed));
+        }
+        let choice = self.color_map.map(|map| ("volume.color_map", map.name().to_owned()));
+        let choice = choice.or_else(|| self.color_range.map(|range| ("volume.color_range", format!("{range:?}"))));
+        if let (None, Some((field, found))) = (&self.color_value, choice) {
+            let allowed = "must go with color_value, the column that colours are made of";
+            return Err(ParameterError { field: field.into(), found, allowed });
         }
         Ok(())
     }
@@ -100,8 +121,8 @@ pub struct LoadedPoints {
     pub notes: Vec<String>,
 }
 
-/// Memory of a point: position, radius, weight and value, and a place in the order of neighbours.
-pub(crate) const BYTES_PER_POINT: u64 = 56;
+/// Memory of a point: position, radius, weight, value and colour, and a place in the order of neighbours.
+pub(crate) const BYTES_PER_POINT: u64 = 68;
 
 /// Reads scattered points of any supported format, told by the content first and by the name second.
 ///
@@ -113,6 +134,8 @@ pub(crate) const BYTES_PER_POINT: u64 = 56;
 /// | radius R | [`PointOptions::radius`]; column radius; 2 smoothing lengths; 2.4 (mass / density)^(1/3); the distance of the 58th neighbour |
 /// | weight w | column weight; mass / density; with a value, the volume (R / 2.4)³; mass; (R / 2.4)³ density; 1 |
 /// | value v | the column that is chosen or has a usual name; 1 |
+///
+/// With [`PointOptions::mixing`] set to the mean, weights are divided out. With [`PointOptions::color_value`], points have colours.
 ///
 /// So the field follows the values where there are any, and is the density of mass, or of points, where there are none. Radii of 2.4 mean
 /// distances hold 58 points each (Price 2012, "Smoothed particle hydrodynamics and magnetohydrodynamics").

@@ -14,6 +14,7 @@ pub(super) struct Roles<T> {
     pub density: Option<T>,
     pub weight: Option<T>,
     pub value: Option<T>,
+    pub color: Option<T>,
 }
 
 /// Names as [`plain`] makes them, of which the first one found has the role. Single letters that also name parts of a velocity or a
@@ -50,12 +51,17 @@ impl Roles<usize> {
             density: role("density", columns.density.as_deref(), names, DENSITY)?,
             weight: role("weight", columns.weight.as_deref(), names, WEIGHT)?,
             value,
+            color: options
+                .color_value
+                .as_deref()
+                .map_or(Ok(None), |name| role("color_value", Some(name), names, &[]))?,
         })
     }
 
     /// The columns that have a role, in the order in which [`Self::try_map`] takes them.
     pub fn list(&self) -> Vec<usize> {
-        [self.radius, self.smoothing, self.mass, self.density, self.weight, self.value].into_iter().flatten().collect()
+        let roles = [self.radius, self.smoothing, self.mass, self.density, self.weight, self.value, self.color];
+        roles.into_iter().flatten().collect()
     }
 }
 
@@ -70,6 +76,7 @@ impl<T> Roles<T> {
             density: one(self.density)?,
             weight: one(self.weight)?,
             value: one(self.value)?,
+            color: one(self.color)?,
         })
     }
 }
@@ -181,6 +188,12 @@ mod tests {
         assert_eq!((found.value, found.mass), (Some(1), Some(2)));
         options.value = Some(ONE.to_owned());
         assert_eq!(Roles::choose(&names("value w"), &options).unwrap().value, None);
+        options.color_value = Some("w".to_owned());
+        assert_eq!(
+            Roles::choose(&names("value w"), &options).unwrap().color,
+            Some(1),
+            "also where it has another role"
+        );
         options.value = Some("vorticity".to_owned());
         let error = Roles::choose(&names("value w"), &options).unwrap_err();
         assert_eq!((error.field.as_str(), error.found.as_str()), ("value", "vorticity"));

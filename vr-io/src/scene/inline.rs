@@ -2,7 +2,8 @@
 
 use glam::{DMat3, DVec3};
 use vr_core::{
-    AnyGrid, GridError, GridVolume, ParameterError, PointKernel, PointSet, UniformGrid, Volume, Voxel, with_grid,
+    AnyGrid, GridError, GridVolume, ParameterError, PointError, PointKernel, PointMixing, PointSet, UniformGrid,
+    Volume, Voxel, with_grid,
 };
 
 use crate::scalar::ScalarType;
@@ -67,7 +68,12 @@ fn inline_points(points: &PointSet) -> Result<VolumeSource, ParameterError> {
         let p = points.positions()[k];
         [p.x, p.y, p.z, points.radii()[k].into(), points.weights()[k].into(), points.values()[k].into()]
     };
-    Ok(VolumeSource::Points { points: (0..points.count()).map(row).collect(), kernel: Some(points.kernel()) })
+    Ok(VolumeSource::Points {
+        points: (0..points.count()).map(row).collect(),
+        kernel: Some(points.kernel()),
+        mixing: Some(points.mixing()).filter(|mixing| *mixing != PointMixing::default()),
+        colors: points.colors().map(|colors| colors.iter().map(|color| color.map(f64::from)).collect()),
+    })
 }
 
 /// Makes a grid of inline voxels.
@@ -122,18 +128,32 @@ fn typed_grid<T: Voxel>(
 ///
 /// # Errors
 /// More points than a scene file may hold, or what [`PointSet::new`] refuses.
-pub(super) fn points(rows: &[Row], kernel: PointKernel) -> Result<Volume, ParameterError> {
+pub(super) fn points(
+    rows: &[Row],
+    kernel: PointKernel,
+    mixing: PointMixing,
+    colors: Option<&[[f64; 3]]>,
+) -> Result<Volume, ParameterError> {
     if rows.len() > MAX_POINTS {
         return Err(ParameterError::new("volume.points", rows.len(), "must be at most 4096 inline points"));
     }
     let column = |i: usize| rows.iter().map(|row| row[i] as f32).collect();
     let positions = rows.iter().map(|&[x, y, z, ..]| DVec3::new(x, y, z)).collect();
-    let set = PointSet::new(positions, column(3), column(4), column(5), kernel);
-    set.map(Volume::from).map_err(|e| ParameterError {
-        field: "volume.points".to_owned(),
-        found: e.to_string(),
-        allowed: "must be rows of x, y, z, radius, weight, value",
-    })
+    let wrong = |key: &str, allowed| {
+        let field = format!("volume.{key}");
+        move |e: PointError| ParameterError { field, found: e.to_string(), allowed }
+    };
+    let rows = "must be rows of x, y, z, radius, weight, value";
+    let set = PointSet::new(positions, column(3), column(4), column(5), kernel).map_err(wrong("points", rows))?;
+    let set = set.with_mixing(mixing).map_err(wrong("points", rows))?;
+    match colors {
+        None => Ok(set.into()),
+        Some(colors) => {
+            let colors = colors.iter().map(|color| color.map(|c| c as f32)).collect();
+            let allowed = "must be a list of one [red, green, blue] for each point, in linear light";
+            set.with_colors(colors).map(Volume::from).map_err(wrong("point_colors", allowed))
+        }
+    }
 }
 
 #[cfg(test)]
@@ -145,20 +165,33 @@ mod tests {
         let positions = vec![DVec3::new(0.1, 2.0 / 3.0, -1e6), DVec3::ZERO];
         let (radii, weights, values) = (vec![0.1f32, 3.0], vec![1.0 / 3.0, 2.0], vec![-1e-20, 7.5]);
         let set = PointSet::new(positions, radii, weights, values, PointKernel::Cone).unwrap();
-        let VolumeSource::Points { points: rows, kernel } = inline_points(&set).unwrap() else { panic!("points") };
-        let back = points(&rows, kernel.unwrap()).unwrap();
+        let set =
+            set.with_mixing(PointMixing::Mean).unwrap().with_colors(vec![[0.1, 0.0, 1.0], [1.0 / 3.0; 3]]).unwrap();
+        let VolumeSource::Points { points: rows, kernel, mixing, colors } = inline_points(&set).unwrap() else {
+            panic!("points")
+        };
+        let back = points(&rows, kernel.unwrap(), mixing.unwrap(), colors.as_deref()).unwrap();
         let back = back.points().unwrap();
         assert_eq!((back.positions(), back.radii(), back.kernel()), (set.positions(), set.radii(), set.kernel()));
         assert_eq!((back.weights(), back.values()), (set.weights(), set.values()));
+        assert_eq!((back.mixing(), back.colors()), (set.mixing(), set.colors()));
     }
 
     #[test]
     fn nonsense_is_refused() {
-        let error = |rows: &[Row]| points(rows, PointKernel::default()).unwrap_err().to_string();
+        let all =
+            |rows: &[Row], mixing, colors: Option<&[[f64; 3]]>| points(rows, PointKernel::default(), mixing, colors);
+        let error = |rows: &[Row]| all(rows, PointMixing::Sum, None).unwrap_err().to_string();
         let message = error(&[[0.0, 0.0, 0.0, -1.0, 1.0, 1.0]]);
         assert!(message.contains("point 0: found the radius -1"), "{message}");
         let message = error(&[[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]; 4097]);
         assert!(message.contains("4097"), "{message}");
         assert!(error(&[]).contains("no point"));
+        let row = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        let message = all(&[row], PointMixing::Sum, Some(&[])).unwrap_err().to_string();
+        assert!(message.contains("volume.point_colors") && message.contains("0 colours for 1 points"), "{message}");
+        let weightless = [0.0, 0.0, 0.0, 1.0, 0.0, 1.0];
+        let message = all(&[weightless], PointMixing::Mean, None).unwrap_err().to_string();
+        assert!(message.contains("point 0: found the weight 0"), "{message}");
     }
 }

@@ -45,7 +45,10 @@ fn volume_sources() -> [(VolumeSource, &'static str); 5] {
         (VolumeSource::Phantom { name: String::new(), size: None }, "A formula on a grid"),
         (VolumeSource::PhantomPoints { name: String::new(), count: None }, "A formula of scattered points"),
         (VolumeSource::Grid { data: Vec::new(), grid }, "Voxels in the scene file"),
-        (VolumeSource::Points { points: Vec::new(), kernel: None }, "Scattered points in the scene file"),
+        (
+            VolumeSource::Points { points: Vec::new(), kernel: None, mixing: None, colors: None },
+            "Scattered points in the scene file",
+        ),
     ]
 }
 

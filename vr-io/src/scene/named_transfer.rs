@@ -49,7 +49,7 @@ impl NamedTransfer {
 
     /// The same in white for a volume that has colours, which are shown as they are.
     pub fn beside(mut self, volume: &Volume) -> Self {
-        if volume.colors().is_some() {
+        if volume.has_colors() {
             self.points = self.points.map(|p| ControlPoint { color: [1.0; 3], ..*p });
         }
         self

@@ -77,8 +77,9 @@ fn volume_of(
             made(volume, phantom::point_transfer_function(name))
         }
         Some(VolumeSource::Grid { data, grid }) => made(inline::grid(data, grid).map_err(in_file)?, None),
-        Some(VolumeSource::Points { points, kernel }) => {
-            made(inline::points(points, kernel.unwrap_or_default()).map_err(in_file)?, None)
+        Some(VolumeSource::Points { points, kernel, mixing, colors }) => {
+            let (kernel, mixing) = (kernel.unwrap_or_default(), mixing.unwrap_or_default());
+            made(inline::points(points, kernel, mixing, colors.as_deref()).map_err(in_file)?, None)
         }
     };
     if let Some(resample) = &section.resample {

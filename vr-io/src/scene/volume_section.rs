@@ -5,7 +5,8 @@ use std::sync::LazyLock;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use vr_core::resample::ResampleFilter;
-use vr_core::{Calibration, Filter, GridError, ParameterError, Placement, PointKernel, phantom};
+use vr_core::transfer::ColorMap;
+use vr_core::{Calibration, Filter, GridError, ParameterError, Placement, PointKernel, PointMixing, phantom};
 
 use crate::cells::CellsOrPoints;
 use crate::nifti::Transform;
@@ -62,6 +63,10 @@ pub enum VolumeSource {
         points: Vec<[f64; 6]>,
         /// Spread of each.
         kernel: Option<PointKernel>,
+        /// Combination of values where supports overlap.
+        mixing: Option<PointMixing>,
+        /// Red, green and blue of each in linear light, where points have colours.
+        colors: Option<Vec<[f64; 3]>>,
     },
 }
 
@@ -152,7 +157,9 @@ impl VolumeSource {
             Self::Grid { .. } => {
                 "voxels of a grid in a scene file have dims, type, spacing, origin, direction, slope and intercept"
             }
-            Self::Points { .. } => "points in a scene file have a kernel; only points from files have other keys",
+            Self::Points { .. } => {
+                "points in a scene file have a kernel, a mixing and point_colors; only points from files have other keys"
+            }
         };
         ParameterError { field: format!("volume.{key}"), found: found.to_string(), allowed }
     }
@@ -197,6 +204,11 @@ struct Keys {
     radius: Option<f64>,
     radius_scale: Option<f64>,
     value: Option<String>,
+    mixing: Option<PointMixing>,
+    point_colors: Option<Vec<[f64; 3]>>,
+    color_value: Option<String>,
+    color_map: Option<ColorMap>,
+    color_range: Option<[f64; 2]>,
     columns: Option<PointColumns>,
     filter: Option<Filter>,
     resample: Option<ResampleSize>,
@@ -278,6 +290,10 @@ impl TryFrom<Keys> for VolumeSection {
                     radius: keys.radius.take(),
                     radius_scale: keys.radius_scale.take(),
                     value: keys.value.take(),
+                    mixing: keys.mixing.take(),
+                    color_value: keys.color_value.take(),
+                    color_map: keys.color_map.take(),
+                    color_range: keys.color_range.take(),
                     columns: keys.columns.take().unwrap_or_default(),
                 },
             })),
@@ -291,7 +307,12 @@ impl TryFrom<Keys> for VolumeSection {
                 Some(source)
             }
             (None, None, Some(data), None) => Some(VolumeSource::Grid { data, grid: keys.take_grid() }),
-            (None, None, None, Some(points)) => Some(VolumeSource::Points { points, kernel: keys.kernel.take() }),
+            (None, None, None, Some(points)) => Some(VolumeSource::Points {
+                points,
+                kernel: keys.kernel.take(),
+                mixing: keys.mixing.take(),
+                colors: keys.point_colors.take(),
+            }),
             (None, None, None, None) => None,
             _ => return Err(wrong("several of path, phantom, data and points", "must have one of them")),
         };
@@ -331,7 +352,17 @@ impl From<VolumeSection> for Keys {
                     grid,
                     points,
                 } = file;
-                let PointOptions { kernel, radius, radius_scale, value, columns } = points;
+                let PointOptions {
+                    kernel,
+                    radius,
+                    radius_scale,
+                    value,
+                    mixing,
+                    color_value,
+                    color_map,
+                    color_range,
+                    columns,
+                } = points;
                 keys.put_grid(grid);
                 keys = Self {
                     path: Some(path),
@@ -349,6 +380,10 @@ impl From<VolumeSection> for Keys {
                         radius,
                         radius_scale,
                         value,
+                        mixing,
+                        color_value,
+                        color_map,
+                        color_range,
                         ..keys
                     }
                 };
@@ -359,7 +394,9 @@ impl From<VolumeSection> for Keys {
                 keys.put_grid(grid);
                 keys.data = Some(data);
             }
-            Some(VolumeSource::Points { points, kernel }) => (keys.points, keys.kernel) = (Some(points), kernel),
+            Some(VolumeSource::Points { points, kernel, mixing, colors }) => {
+                keys = Self { points: Some(points), kernel, mixing, point_colors: colors, ..keys };
+            }
             None => {}
         }
         keys

@@ -102,9 +102,12 @@ impl SceneField {
         }
     }
 
-    /// The value at a point and the colour of its voxels, white where they have none; `None` in vacuum.
+    /// The value at a point and the colour of the place, white where it has none; `None` in vacuum.
     pub fn at(&self, at: DVec3) -> Option<(f64, [f64; 3])> {
-        let Volume::Color(colors) = &self.volume else { return self.value(at).map(|value| (value, [1.0; 3])) };
+        let Volume::Color(colors) = &self.volume else {
+            let color = || self.volume.field().and_then(|field| field.color(at)).unwrap_or([1.0; 3]);
+            return self.value(at).map(|value| (value, color()));
+        };
         if !self.keeps(at) {
             return None;
         }

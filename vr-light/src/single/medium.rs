@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use vr_core::scattering::{Albedo, Scattering};
-use vr_core::{Feature, OpacityRule, RenderError, Scene, TransferFunction, Unsupported, Volume};
+use vr_core::{Feature, OpacityRule, RenderError, Scene, TransferFunction, Unsupported};
 
 /// Largest opacity of a unit distance: a wall of opacity 1 is a medium so dense that light enters it by a fourteenth of that distance.
 const MAX_OPACITY: f64 = 1.0 - 1e-6;
@@ -23,7 +23,7 @@ pub(super) fn unlit(scene: &Scene) -> Result<Scene, RenderError> {
     if !scene.compositing.integrates_light() {
         return refused(Feature::Compositing, "the compositing operator: it picks a value, and scatters no light");
     }
-    if matches!(scene.volume, Volume::Color(_)) || scene.volume.field().is_some_and(|f| f.values_are_codes()) {
+    if scene.volume.has_colors() || scene.volume.field().is_some_and(|f| f.values_are_codes()) {
         return refused(Feature::Color, "volumes with colours of their own under single scattering");
     }
     if scene.has_gradient_opacity() {

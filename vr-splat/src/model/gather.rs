@@ -121,7 +121,7 @@ impl ExactSplat {
         profile.integral(at.to_array(), along.to_array(), from, to) * line.stretch * self.weight
     }
 
-    /// ∫ of the gradient of its value times its kernel, which is radial, between two depths: along the view's axes, and over a length in the world.
+    /// ∫ of the gradient of its kernel, which is radial, between two depths: along the view's axes, and over a length in the world.
     pub(crate) fn gradient_section(&self, profile: &Profile, line: &Line, from: f64, to: f64) -> DVec3 {
         let Profile::Radial(radial) = profile else { return DVec3::ZERO };
         let [at, along] = self.meet(line);
@@ -134,7 +134,7 @@ impl ExactSplat {
         let [from, to] = [from, to].map(|d| ((d - self.place.z) * speed + ahead).clamp(-edge, edge));
         let turn = radial.slope_along_line(b, to) - radial.slope_along_line(b, from);
         let rise = radial.at(b.hypot(to)) - radial.at(b.hypot(from));
-        (across * turn + direction * rise) * self.weight * self.value
+        (across * turn + direction * rise) * self.weight
     }
 
     /// Its kernel at a depth.

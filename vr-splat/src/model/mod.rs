@@ -7,7 +7,9 @@ mod picked;
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use vr_core::{Compositing, Control, DiscreteModel, IndexRay, Layer, Ray, Rays, RenderError, Scene, SegmentTerm, View};
+use vr_core::{
+    Compositing, Control, DiscreteModel, IndexRay, Layer, PointMixing, Ray, Rays, RenderError, Scene, SegmentTerm, View,
+};
 
 use crate::ghosts::Ghosts;
 use crate::gradient_optics::GradientOptics;
@@ -27,8 +29,8 @@ use gather::{ExactSplat, Line, gather};
 pub(crate) enum Part {
     /// θ and b of what was classified before.
     Light(SegmentTerm),
-    /// A value over a length, at a depth; and the gradient in the world, where the light of points depends on it.
-    Value { value: f64, length: f64, depth: f64, gradient: Option<DVec3> },
+    /// A value over a length, at a depth; the gradient in the world, where the light of points depends on it; and the colour of points that have one.
+    Value { value: f64, length: f64, depth: f64, gradient: Option<DVec3>, color: Option<[f64; 3]> },
     /// Nothing, in a cell that is missing.
     Vacuum,
 }
@@ -95,8 +97,19 @@ impl SplatModel {
     }
 
     /// θ and b of a homogeneous piece of a value, classified and shaded at a depth.
-    fn step(&self, line: &Line, depth: f64, value: f64, length: f64, gradient: Option<DVec3>) -> SegmentTerm {
-        let mut light = self.scene.transfer.step(value, length);
+    fn step(
+        &self,
+        line: &Line,
+        depth: f64,
+        (value, length): (f64, f64),
+        gradient: Option<DVec3>,
+        color: Option<[f64; 3]>,
+    ) -> SegmentTerm {
+        let tinted = |[r, g, b, alpha]: [f64; 4]| {
+            let [x, y, z] = color.unwrap_or([1.0; 3]);
+            [r * x, g * y, b * z, alpha]
+        };
+        let mut light = tinted(self.scene.transfer.step(value, length));
         if let Some(optics) = GradientOptics::new(&self.scene) {
             let world = match (&self.input, gradient) {
                 (SplatInput::Grid(grid), _) => {
@@ -106,7 +119,7 @@ impl SplatModel {
                 (SplatInput::Points(_), gradient) => gradient.unwrap_or_default(),
             };
             if optics.follows {
-                light = optics.step(value, world.length(), length);
+                light = tinted(optics.step(value, world.length(), length));
             }
             if optics.reflects {
                 let along = optics.shading.along(&self.scene.lights, line.direction);
@@ -161,7 +174,13 @@ impl SplatModel {
                 let one = |s: &ExactSplat| {
                     if picks {
                         // On its own, a sample has its own value wherever its kernel is met.
-                        return Part::Value { value: s.value, length: whole(s), depth: s.place.z, gradient: None };
+                        return Part::Value {
+                            value: s.value,
+                            length: whole(s),
+                            depth: s.place.z,
+                            gradient: None,
+                            color: None,
+                        };
                     }
                     Part::Light(self.lit(std::iter::once((s, whole(s)))))
                 };
@@ -182,7 +201,7 @@ impl SplatModel {
                     let depth = own.as_ref().map_or(0.0, |own| line.depth_at(own.axis, own.layers[*turn as usize]));
                     // Where a sheet is sampled there may be nothing.
                     if length > 0.0 && !line.in_vacuum(input, depth, AT_LAYER) {
-                        Part::Value { value: sum / length, length, depth, gradient: None }
+                        Part::Value { value: sum / length, length, depth, gradient: None, color: None }
                     } else {
                         Part::Vacuum
                     }
@@ -201,7 +220,9 @@ impl DiscreteModel for SplatModel {
         let Some(ends) = self.ends(&ray, &line) else { return Vec::new() };
         let term = |part: Part| match part {
             Part::Light(term) => term,
-            Part::Value { value, length, depth, gradient } => self.step(&line, depth, value, length, gradient),
+            Part::Value { value, length, depth, gradient, color } => {
+                self.step(&line, depth, (value, length), gradient, color)
+            }
             Part::Vacuum => Self::term([0.0; 3], 0.0),
         };
         let mut terms: Vec<SegmentTerm> = self.parts(&line, ends).into_iter().map(term).collect();
@@ -277,12 +298,25 @@ impl SplatModel {
                 let covered = (back - front).max(0.0) * line.stretch;
                 (covered, covered)
             };
-            // The mean over what is covered, as that of the value is.
-            let sections = parts.iter().map(|s| s.gradient_section(profile, line, from, to));
+            let points = if let SplatInput::Points(points) = input { Some(points) } else { None };
+            let is_mean = points.is_some_and(|points| points.mixing() == PointMixing::Mean);
+            let divisor = if is_mean { weight } else { divisor };
+            // The mean over what is covered, as that of the value is; of a mean by the quotient rule.
+            // From the value that weighs most, so that where one point reaches alone there is none to the last bit.
+            let heaviest = parts.iter().max_by(|a, b| section(a).total_cmp(&section(b)));
+            let base = heaviest.map_or(0.0, |s| s.value);
+            let apart: f64 = parts.iter().map(|s| section(s) * (s.value - base)).sum();
+            let from_value = if is_mean && weight > 0.0 { base + apart / weight } else { 0.0 };
+            let sections = parts.iter().map(|s| s.gradient_section(profile, line, from, to) * (s.value - from_value));
             let sloped = sloped && divisor > 0.0;
             let gradient = sloped.then(|| seen.frame * sections.sum::<DVec3>() / divisor);
+            let colors = points.and_then(|points| points.colors()).filter(|_| weight > 0.0);
+            let color = colors.map(|colors| {
+                let light = |s: &ExactSplat| DVec3::from(colors[s.index[0]].map(f64::from));
+                (parts.iter().map(|s| light(s) * section(s)).sum::<DVec3>() / weight).to_array()
+            });
             if divisor > 0.0 && !line.in_vacuum(input, middle, 0.0) {
-                found.push(Part::Value { value: sum / divisor, length, depth: middle, gradient });
+                found.push(Part::Value { value: sum / divisor, length, depth: middle, gradient, color });
             } else if divisor > 0.0 {
                 found.push(Part::Vacuum);
             }

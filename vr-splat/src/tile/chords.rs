@@ -7,6 +7,7 @@ use vr_kernels::vector::{pick, splat};
 
 use crate::chord_table::{Chord, ChordCourse, ChordTable};
 use crate::point_gradients::{GradientCourse, GradientSum};
+use crate::point_mixture::MIN_KERNEL;
 use crate::splat::Splat;
 
 use super::Tile;
@@ -90,7 +91,7 @@ impl Tile<'_> {
         table: &ChordTable,
         number: usize,
         at: &Splat,
-        optics: [f32; 4],
+        carried: (f32, [f32; 4]),
         sheets: [u32; 2],
     ) {
         let painter = self.painter;
@@ -136,17 +137,24 @@ impl Tile<'_> {
         let (from_start, to_end) = (chords.up_to_part(simd, -one), chords.up_to_part(simd, one));
         let mut start = splat(simd, first as f32 * painter.distance).max(near).min(far);
         let mut before = if start.simd_gt(enter).any_true() { chords.up_to(simd, start) } else { from_start };
+        let mixes = painter.mixes();
         for sheet in first..=last {
             let end = splat(simd, (sheet + 1) as f32 * painter.distance).max(near).min(far);
             let is_end = sheet == last && !leave.simd_gt(end).any_true();
             let after = if is_end { to_end } else { chords.up_to(simd, end) };
+            // Kernels of points are nowhere negative; polynomials and rounding might be.
+            let mut whole = (after.whole - before.whole).max(zero);
+            if mixes {
+                // Nor do they vanish in a support, which a mean could not divide by.
+                let inside = (leave.min(end) - enter.max(start)).max(zero) * passing.speed;
+                whole = whole.max(inside * MIN_KERNEL);
+            }
             let section = Section {
-                // Kernels of points are nowhere negative; polynomials and rounding might be.
-                whole: (after.whole - before.whole).max(zero) * factor,
+                whole: whole * factor,
                 reach: Some([[start, end], [enter, leave]]),
                 gradient: chords.gradient(&before, &after, at.weight),
             };
-            self.add_section(simd, [sheet as usize, number], section, (at.value, optics));
+            self.add_section(simd, [sheet as usize, number], section, carried);
             (before, start) = (after, end);
         }
     }

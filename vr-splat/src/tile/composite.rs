@@ -6,6 +6,7 @@ use vr_kernels::vector::{
     LANES, Lanes, Operator, StepOptics, opacity_of_depth, pick, source_weight, splat, step_light,
 };
 
+use crate::point_mixture::{MIN_SLOPE, SLOPED_CHANNELS};
 use crate::shading::{Pieces, Slope};
 use crate::sheets::AT_LAYER;
 
@@ -28,7 +29,7 @@ impl Tile<'_> {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
         let operator = painter.operator;
         let light = match &painter.content {
-            Content::Values { classifier, normalised, cells, shader } => {
+            Content::Values { classifier, normalised, mixture, cells, shader } => {
                 // The value: a sum divided by weights, or by the length that supports cover.
                 let (sum, weight) = (self.sheets[at].load(simd), self.sheets[at + 1].load(simd));
                 let (length, divisor) = if *normalised {
@@ -41,6 +42,13 @@ impl Tile<'_> {
                     let covered = (both * self.blocks[number].stretch.load(simd) - length).max(zero);
                     (covered, covered)
                 };
+                // Means are divided by weights.
+                let weights = match mixture {
+                    Some(_) => self.sheets[at + if shader.is_some() { 6 } else { 3 }].load(simd),
+                    None => divisor,
+                };
+                let is_mean = mixture.is_some_and(|mixture| mixture.is_mean);
+                let divisor = if is_mean { weights } else { divisor };
                 let mut there = divisor.simd_gt(zero) & length.simd_gt(zero);
                 if !there.any_true() {
                     return;
@@ -87,6 +95,10 @@ impl Tile<'_> {
                         [light[0].load(simd), light[1].load(simd), light[2].load(simd), light[3].load(simd)]
                     }
                 };
+                let tint = match mixture {
+                    Some(mixture) if mixture.has_colors => Some(self.tint(simd, at, weights)),
+                    _ => None,
+                };
                 match shader {
                     Some(shader) if follows || light[3].simd_gt(zero).any_true() => {
                         let mut lanes =
@@ -97,16 +109,29 @@ impl Tile<'_> {
                             // Values per unit of the view.
                             let mut mean = [Lanes::ZERO; 3];
                             for a in 0..3 {
-                                mean[a] = Lanes::new(self.sheets[at + 3 + a].load(simd) / (divisor * per_unit));
+                                let mut slope = self.sheets[at + 3 + a].load(simd);
+                                if is_mean {
+                                    // By the quotient rule.
+                                    let thinning = value * self.sheets[at + 10 + a].load(simd);
+                                    let rounding = slope.abs().max(thinning.abs()) * MIN_SLOPE;
+                                    slope -= thinning;
+                                    slope = pick(slope.abs().simd_gt(rounding), slope, zero);
+                                }
+                                mean[a] = Lanes::new(slope / (divisor * per_unit));
                             }
                             Slope::Known(mean)
                         };
                         let (value, length) = (Lanes::new(value), Lanes::new(length));
-                        let pieces = Pieces { slope, value, length, optics: step };
+                        let pieces = Pieces { slope, value, length, optics: step, tint };
                         shader.shade(simd, &self.lights[number], &pieces, &mut lanes);
                         [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)]
                     }
-                    _ => light,
+                    _ => match tint {
+                        Some([r, g, b]) => {
+                            [light[0] * r.load(simd), light[1] * g.load(simd), light[2] * b.load(simd), light[3]]
+                        }
+                        None => light,
+                    },
                 }
             }
             Content::Light(_) => {
@@ -121,6 +146,19 @@ impl Tile<'_> {
         };
         self.states[number].blend(simd, operator, light, part);
         self.retire(simd, number);
+    }
+
+    /// The mean colour of what a sheet holds of points; white where it holds none.
+    #[inline(always)]
+    fn tint<S: Simd>(&self, simd: S, at: usize, weights: f32x16<S>) -> [Lanes; 3] {
+        let first = at + self.channels.min(SLOPED_CHANNELS - 3) - 3;
+        let (one, there) = (splat(simd, 1.0), weights.simd_gt(splat(simd, 0.0)));
+        let divisor = pick(there, weights, one);
+        let mut tint = [Lanes::ZERO; 3];
+        for c in 0..3 {
+            tint[c] = Lanes::new(pick(there, self.sheets[first + c].load(simd) / divisor, one));
+        }
+        tint
     }
 
     /// Ends a block that is opaque: it takes no more.

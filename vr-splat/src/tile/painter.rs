@@ -5,9 +5,11 @@ use vr_kernels::vector::{LANES, Operator, OpticsTable};
 
 use crate::bins::Keyed;
 use crate::point_gradients::PointGradient;
+use crate::point_mixture::{PLAIN_CHANNELS, PointMixture, SLOPED_CHANNELS};
 use crate::projection::SplatView;
 use crate::ramps::Ramps;
 use crate::shading::Shader;
+use crate::splat::Splat;
 use crate::splatter::Buffers;
 use crate::visible::CellBits;
 use crate::voxel_optics::VoxelOptics;
@@ -50,6 +52,8 @@ pub(crate) enum Content<'a> {
         /// True if weights are divided out (of a grid), or the length that supports cover (of points): from the first one's front to the last one's
         /// back, in each sheet.
         normalised: bool,
+        /// What points carry, by the number that their splats do, where weights are summed, too.
+        mixture: Option<&'a PointMixture>,
         /// Cells in which something can be seen at all.
         cells: Option<VisibleCells<'a>>,
         /// Shading of light.
@@ -154,9 +158,30 @@ impl Painter<'_> {
         self.shader().and_then(Shader::summed)
     }
 
+    /// What a splat adds to sheets: a value, and its optics or its colour.
+    #[inline(always)]
+    pub(super) fn carried(&self, splat: &Splat) -> (f32, [f32; 4]) {
+        match &self.content {
+            Content::Light(optics) => (splat.value, optics.at(splat.value)),
+            Content::Values { mixture: Some(mixture), .. } => {
+                let [value, r, g, b] = mixture.rows[splat.value.to_bits() as usize];
+                (value, [r, g, b, 0.0])
+            }
+            _ => (splat.value, [0.0; 4]),
+        }
+    }
+
+    /// True if sheets sum weights of points.
+    #[inline(always)]
+    pub(super) fn mixes(&self) -> bool {
+        matches!(self.content, Content::Values { mixture: Some(_), .. })
+    }
+
     pub(super) fn channels(&self) -> usize {
         match self.content {
             Content::Values { normalised: true, .. } => 2,
+            Content::Values { mixture: Some(_), shader: Some(_), .. } => SLOPED_CHANNELS,
+            Content::Values { mixture: Some(_), .. } => PLAIN_CHANNELS,
             Content::Values { shader: Some(_), .. } => 6,
             Content::Values { .. } => 3,
             Content::Light(_) => 4,

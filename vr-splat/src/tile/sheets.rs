@@ -10,7 +10,6 @@ use crate::splatter::Buffers;
 
 use super::Tile;
 use super::footprint::{Crossing, FootprintKernel, Passing};
-use super::painter::Content;
 
 /// The part of a splat in a sheet, for sixteen rays.
 pub(super) struct Section<S: Simd> {
@@ -64,17 +63,14 @@ impl Tile<'_> {
         let painter = self.painter;
         let block = &self.blocks[number];
         let (near, far) = (block.near.load(simd), block.far.load(simd));
-        let optics = match &painter.content {
-            Content::Light(optics) => optics.at(splat_.value),
-            _ => [0.0; 4],
-        };
+        let carried = painter.carried(splat_);
         let channels = self.channels;
         match painter.kernel {
             FootprintKernel::Smooth(_, chords) if painter.summed_gradient().is_some() => {
-                self.add_chords::<true, S>(simd, chords, number, splat_, optics, [first, last]);
+                self.add_chords::<true, S>(simd, chords, number, splat_, carried, [first, last]);
             }
             FootprintKernel::Smooth(_, chords) => {
-                self.add_chords::<false, S>(simd, chords, number, splat_, optics, [first, last]);
+                self.add_chords::<false, S>(simd, chords, number, splat_, carried, [first, last]);
             }
             // Differences of partial integrals from one sheet's face to the next.
             FootprintKernel::Radial(table) => {
@@ -90,7 +86,7 @@ impl Tile<'_> {
                     let whole = (after - before).max(splat(simd, 0.0)) * factor;
                     before = after;
                     let section = Section { whole, reach: Some([[start, end], [enter, leave]]), gradient: None };
-                    self.add_section(simd, [sheet as usize, number], section, (splat_.value, optics));
+                    self.add_section(simd, [sheet as usize, number], section, carried);
                     start = end;
                 }
             }
@@ -110,7 +106,7 @@ impl Tile<'_> {
                     let whole = if channels == 2 { weight } else { weight * factor * (end - start) };
                     start = end;
                     let section = Section { whole, reach: None, gradient: None };
-                    self.add_section(simd, [sheet as usize, number], section, (splat_.value, optics));
+                    self.add_section(simd, [sheet as usize, number], section, carried);
                 }
             }
         }
@@ -138,6 +134,10 @@ impl Tile<'_> {
                     *y = Lanes::new(y.load(simd) + gradient[1] * value);
                     *z = Lanes::new(z.load(simd) + gradient[2] * value);
                 }
+            }
+            ([_, to_back, to_front, mixture @ ..], Some(reach)) if mixture.len() > 3 => {
+                cover(simd, [to_back, to_front], reach);
+                mix(simd, mixture, &section, (value, optics));
             }
             _ => {}
         }
@@ -195,6 +195,32 @@ fn cover<S: Simd>(simd: S, [to_back, to_front]: [&mut Lanes; 2], [[start, end], 
     let covered = front.simd_lt(back);
     *to_back = Lanes::new(to_back.load(simd).max(pick(covered, end - front, zero)));
     *to_front = Lanes::new(to_front.load(simd).max(pick(covered, back - start, zero)));
+}
+
+/// Adds a section to the channels of a mixture behind the first three: the gradient of values, weights, colours and the gradient of weights, or weights
+/// and colours alone.
+#[inline(always)]
+fn mix<S: Simd>(simd: S, channels: &mut [Lanes], section: &Section<S>, (value, color): (f32, [f32; 4])) {
+    let (weights, gradient) = match (channels, section.gradient) {
+        ([x, y, z, weights @ .., p, q, r], Some(gradient)) => {
+            for (sum, slope) in [x, y, z].into_iter().zip(gradient) {
+                *sum = Lanes::new(sum.load(simd) + slope * value);
+            }
+            (weights, Some(([p, q, r], gradient)))
+        }
+        (weights, _) => (weights, None),
+    };
+    if let [weight, r, g, b] = weights {
+        *weight = Lanes::new(weight.load(simd) + section.whole);
+        for (sum, light) in [r, g, b].into_iter().zip(color) {
+            *sum = Lanes::new(sum.load(simd) + section.whole * light);
+        }
+    }
+    if let Some((sums, gradient)) = gradient {
+        for (sum, slope) in sums.into_iter().zip(gradient) {
+            *sum = Lanes::new(sum.load(simd) + slope);
+        }
+    }
 }
 
 /// Adds a section of a kernel to a sheet: a value, and its weight where that is divided out, or emission and optical depth.

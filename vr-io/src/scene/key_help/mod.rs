@@ -340,8 +340,6 @@ fn render() -> Vec<KeyHelp> {
 mod tests {
     use std::path::Path;
 
-    use vr_core::PointKernel;
-
     use super::*;
     use crate::scene::{GridDescription, SceneFileError, parse_scene};
 
@@ -369,7 +367,7 @@ mod tests {
             VolumeSource::Phantom { name: String::new(), size: None },
             VolumeSource::PhantomPoints { name: String::new(), count: None },
             VolumeSource::Grid { data: Vec::new(), grid: GridDescription::default() },
-            VolumeSource::Points { points: Vec::new(), kernel: None::<PointKernel> },
+            VolumeSource::Points { points: Vec::new(), kernel: None, mixing: None, colors: None },
         ];
         let of_all = sources.iter().flat_map(|source| volume(Some(source)));
         let mut volume_keys: Vec<&str> = of_all.map(|help| help.key).collect();

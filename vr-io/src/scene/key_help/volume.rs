@@ -30,7 +30,15 @@ pub(super) fn volume(source: Option<&VolumeSource>) -> Vec<KeyHelp> {
             keys
         }
         Some(VolumeSource::Points { .. }) => {
-            vec![key("points", Nothing, "Rows of x, y, z, radius, weight and value, up to 4096 of them."), kernel("")]
+            let mut keys =
+                vec![key("points", Nothing, "Rows of x, y, z, radius, weight and value, up to 4096 of them.")];
+            keys.extend([kernel(""), mixing("")]);
+            keys.push(key(
+                "point_colors",
+                Example("[[1.0, 0.5, 0.0]]"),
+                "Red, green and blue of each point in linear light, by which colours of the transfer function are multiplied; absent: none.",
+            ));
+            keys
         }
     };
     if !matches!(source, Some(VolumeSource::PhantomPoints { .. } | VolumeSource::Points { .. })) {
@@ -104,6 +112,19 @@ fn file_keys() -> Vec<KeyHelp> {
             "Points from files: reach of all kernels in world units, above 0; absent: what the file says, or the distance of neighbours.",
         ),
         key("radius_scale", Usual("1.0"), "Points from files: factor on every radius, above 0; more than 1 smoothes."),
+        mixing("Points from files: "),
+        key(
+            "color_value",
+            Example("\"temperature\""),
+            "Points from files: column or array that points have their colours of, mixed by their weighted mean, by which colours of the transfer \
+             function are multiplied; absent: none.",
+        ),
+        key("color_map", Usual("\"viridis\""), "Points from files: colours of that column, viridis, inferno or cool-warm."),
+        key(
+            "color_range",
+            Example("[0.0, 1e4]"),
+            "Points from files: numbers of the first and of the last of these colours; absent: the smallest and the largest.",
+        ),
         key(
             "columns",
             Example("{ radius = \"h\", mass = \"m\" }"),
@@ -134,6 +155,11 @@ fn grid_keys(of: &str, scalar: &'static str, types: &str) -> Vec<KeyHelp> {
         key("slope", Usual("1.0"), format!("{of}Calibration: value = slope * stored + intercept.")),
         key("intercept", Usual("0.0"), format!("{of}Calibration: value of a stored 0.")),
     ]
+}
+
+fn mixing(of: &str) -> KeyHelp {
+    let meaning = format!("{of}Field where kernels overlap: sum, or mean (weighted by the kernels, as Shepard's).");
+    key("mixing", Usual("\"sum\""), meaning)
 }
 
 fn kernel(of: &str) -> KeyHelp {

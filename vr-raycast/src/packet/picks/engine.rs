@@ -201,7 +201,7 @@ impl<'a> PickFrame<'a> {
                 let last = (engine.volume.dims()[a] - 1) as f32;
                 (packet.base[a].0[lane] + at * packet.delta[a].0[lane]).clamp(0.0, last)
             });
-            let color = colors.color(at);
+            let color = colors.at(at);
             (0..3).for_each(|c| value.rgba[c] *= f64::from(color[c]));
         }
         // A surface is shaded.

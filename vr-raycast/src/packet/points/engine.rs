@@ -6,8 +6,8 @@ use fearless_simd::Level;
 use glam::DVec3;
 use vr_core::image_order::ImageSample;
 use vr_core::{
-    Calibration, Compositing, Counts, Layer, MaxRadiance, ParameterError, Placement, PointSet, Rays, Scene, View,
-    Volume,
+    Calibration, Compositing, Counts, Layer, MaxRadiance, ParameterError, Placement, PointMixing, PointSet, Rays,
+    Scene, View, Volume,
 };
 use vr_kernels::tables::{BakedTransfer, rounding_over, table_range};
 use vr_kernels::vector::{self, Modulation, OpticsTable, PacketShading, Rows};
@@ -53,6 +53,10 @@ impl PointEngine {
     pub(crate) fn new(caster: &RayCaster, scene: &Scene, source: &Source) -> Option<Self> {
         let level = level::of(caster.vector)?;
         let Volume::Points(points) = &scene.volume else { return None };
+        // Means, and colours of places, are the plain engine's.
+        if points.mixing() == PointMixing::Mean || points.colors().is_some() {
+            return None;
+        }
         let CompositingOrder::FrontToBack { termination } = caster.order else { return None };
         // A cut sum is ended by its cut alone.
         let (cut, negligible) = match scene.compositing {
