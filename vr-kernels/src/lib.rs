@@ -5,6 +5,7 @@
 //!   ([`tables::PreIntegrated`]), with a bound of what that costs.
 //! * [`ranges`]: smallest and largest value of the field, block by block: for renderers that leap, cull or skip.
 //! * [`bits`]: rows of bits and their runs.
+//! * [`step_by_gradient`]: steps where opacity follows the gradient, one by one.
 //!
 //! Everything here is a fast form of a definition in `vr-core`, and tested to equal it.
 //!
@@ -25,9 +26,12 @@
 //! ```
 
 pub mod bits;
+mod gradient_step;
 pub mod ranges;
 pub mod tables;
 pub mod vector;
+
+pub use gradient_step::{step_by_gradient, step_with_extinction_times};
 
 /// The example of the README, as a test.
 #[cfg(doctest)]

@@ -45,6 +45,18 @@ fn color(scene: &mut Scene) {
     scene.volume = Volume::Color(Arc::new(colors));
 }
 
+/// Gives the transfer function two rows by gradient: a tenth of its opacity where the field is flat, and all of it where it is steep.
+fn by_rows(scene: &mut Scene) {
+    let transfer = &scene.transfer;
+    let thin = |p: &ControlPoint| ControlPoint { opacity: 0.1 * p.opacity, ..*p };
+    let rows = vec![
+        (0.0, transfer.points().iter().map(thin).collect()),
+        (0.5, transfer.points().iter().map(|p| ControlPoint { opacity: p.opacity.min(0.99), ..*p }).collect()),
+    ];
+    let rows = TransferFunction::of_rows(rows, transfer.rule(), transfer.unit_distance()).unwrap();
+    scene.transfer = Arc::new(rows);
+}
+
 fn accumulate(scene: &mut Scene) {
     scene.compositing = Compositing::Accumulate { level: 0.9 };
 }
@@ -54,6 +66,9 @@ fn cases() -> Vec<Case> {
         (RayCaster::uniform(0.5), RayCaster { step: Step::Local { error: 1e-3 }, ..RayCaster::uniform(0.5) });
     let rule = |rule| RayCaster { rule, ..RayCaster::uniform(0.5) };
     let local_rule = |rule| RayCaster { rule, ..local.clone() };
+    // In steps of which the long ones err by a thousandth.
+    let homogeneous = RayCaster { step: Step::Homogeneous { step: 0.5, error: 1e-3 }, ..RayCaster::default() };
+    let variance = RayCaster { step: Step::Variance { step: 0.5, error: 1e-3 }, ..RayCaster::default() };
     let (local_linear, local_quadratic) = (local_rule(Rule::Linear), local_rule(Rule::Quadratic));
     vec![
         ("over", |_| (), uniform.clone()),
@@ -77,6 +92,21 @@ fn cases() -> Vec<Case> {
         ("linear-local-shaded", shade, local_linear.clone()),
         ("quadratic-local", |_| (), local_quadratic.clone()),
         ("quadratic-local-shaded", shade, local_quadratic),
+        ("rows", by_rows, RayCaster::uniform(0.5)),
+        (
+            "rows-shaded",
+            |scene| {
+                by_rows(scene);
+                shade(scene);
+            },
+            RayCaster::uniform(0.5),
+        ),
+        ("rows-local", by_rows, local.clone()),
+        ("homogeneity", |_| (), homogeneous.clone()),
+        ("homogeneity-shaded", shade, homogeneous.clone()),
+        ("homogeneity-accumulate", accumulate, homogeneous),
+        ("variance", |_| (), variance.clone()),
+        ("variance-shaded", shade, variance),
         ("linear-gradient-opacity", modulate, rule(Rule::Linear)),
         ("quadratic-gradient-opacity", modulate, rule(Rule::Quadratic)),
         ("linear-local-gradient-opacity", modulate, local_linear.clone()),

@@ -52,6 +52,12 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderE
             ),
         ));
     }
+    if matches!(caster.rule, Rule::Linear | Rule::Quadratic) && !scene.compositing.integrates_light() {
+        let (rule, operator) = (caster.rule.name(), scene.compositing.name());
+        let what =
+            format!("the rule '{rule}' under '{operator}', where no step is integrated: set rule=midpoint or left");
+        return Err(unsupported(Feature::Setting, what));
+    }
     let samples_all = !scene.compositing.integrates_light() && !matches!(scene.compositing, Compositing::First { .. });
     let leaps = caster.step.finds_empty_space() || caster.empty_space.is_named();
     if samples_all && leaps {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use vr_core::optics::{depth_of_opacity, opacity_of_depth};
 use vr_core::{Calibration, Real, TransferFunction};
+use vr_kernels::step_with_extinction_times;
 use vr_kernels::tables::BakedTransfer;
 
 use crate::rule::Profile;
@@ -73,15 +74,8 @@ impl<R: Real> Classifier<R> {
         let opacity = step[3].to_f64();
         let value = self.calibration.value(stored.to_f64());
         let emits = self.transfer.has_emission();
-        if factor == 0.0 {
-            let light = self.transfer.at(value).emission.map(|e| if emits { R::from_f64(e * length) } else { R::ZERO });
-            return [light[0], light[1], light[2], R::ZERO];
-        }
-        if opacity > INVERTIBLE || self.table.is_none() {
-            // κ times a factor over h is κ over h times that factor; emission of its own must not be multiplied along.
-            let [r, g, b, a] = self.transfer.step(value, length * factor);
-            let share = if emits { 1.0 / factor } else { 1.0 };
-            return [r * share, g * share, b * share, a].map(R::from_f64);
+        if factor == 0.0 || opacity > INVERTIBLE || self.table.is_none() {
+            return step_with_extinction_times(&self.transfer, value, length, factor).map(R::from_f64);
         }
         if opacity == 0.0 {
             return step;

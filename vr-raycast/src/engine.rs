@@ -121,3 +121,6 @@ pub(crate) fn lengths(caster: &RayCaster, scene: &Scene, placement: &Placement) 
         _ => Lengths::Uniform { step: caster.world_step(placement), spacing: scene.volume.mean_spacing() },
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -141,7 +141,7 @@ fn other_options() -> [DeclaredOption<RayCaster>; 11] {
         }),
         DeclaredOption::<RayCaster>::choice(
             "rule",
-            "how the light of a step is found: midpoint and linear have order 2, quadratic has 4, left has 1; exact needs traversal=cells",
+            "how the light of a step is found: midpoint and linear have order 2, quadratic has 4, left has 1; exact needs traversal=cells. Operators that look at values take midpoint or left",
             rules.map(|rule| (rule.name(), rule)),
             |c| c.rule,
             |c, rule| c.rule = rule,
@@ -177,7 +177,7 @@ fn other_options() -> [DeclaredOption<RayCaster>; 11] {
         ),
         DeclaredOption::<RayCaster>::choice(
             "classification",
-            "how a value becomes light and opacity: looked up, or evaluated at every sample; auto: looked up where a table serves",
+            "how a value becomes light and opacity: looked up, or evaluated at every sample; auto: looked up where a table serves. Of what an operator picks or averages, auto and exact both evaluate it",
             [("auto", TransferLookup::Auto), ("table", TransferLookup::Table), ("exact", TransferLookup::Exact)],
             |c: &RayCaster| c.transfer_lookup,
             |c, classification| c.transfer_lookup = classification,

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use vr_core::{GradientMethod, Light, Placement, RayShading, Real, Shading};
-use vr_kernels::vector::{Modulation, PacketShading};
+use vr_core::{GradientMethod, Light, Placement, RayShading, Real, Shading, TransferFunction};
+use vr_kernels::vector::{Modulation, OpticsTable, PacketShading, RowMixture};
 
 use crate::chord::Chord;
 use crate::classify::Classifier;
@@ -35,15 +35,23 @@ impl<R: Real> Shader<R> {
         self.shading.along(&self.lights, direction)
     }
 
-    /// Returns the part that the vector engine needs, of a scene whose colours reflect or not; `None` if that is nothing.
-    pub(crate) fn for_packets(&self, reflects: bool) -> Option<PacketShading> {
-        let modulation = Modulation::new(&self.shading, self.scale);
-        if !reflects && modulation.is_none() {
-            return None;
-        }
-        let to_world = self.to_world.map(|row| row.map(|x| x.to_f64() as f32));
-        let (shading, lights) = (Arc::clone(&self.shading), self.lights.clone());
-        Some(PacketShading { shading, lights, to_world, modulation, reflects })
+    /// Returns the part that the vector engine needs, of a scene whose colours reflect or not; `None` if that is nothing. `tables`: those of the rows of its
+    /// transfer function, if it has any.
+    pub(crate) fn for_packets(
+        &self,
+        transfer: &TransferFunction,
+        tables: Arc<[OpticsTable]>,
+        reflects: bool,
+    ) -> Option<PacketShading> {
+        let shading = PacketShading {
+            shading: Arc::clone(&self.shading),
+            lights: self.lights.clone(),
+            to_world: self.to_world.map(|row| row.map(|x| x.to_f64() as f32)),
+            modulation: Modulation::new(&self.shading, self.scale),
+            rows: RowMixture::new(transfer, tables, self.scale),
+            reflects,
+        };
+        (reflects || shading.follows_gradients()).then_some(shading)
     }
 
     fn method(&self) -> GradientMethod {

@@ -44,6 +44,10 @@ fn a_choice_that_is_not_honoured_is_refused() {
         (set(&[]), "classification", "table".into(), kind(Compositing::Minimum), "classification"),
         (set(&[]), "classification", "table".into(), kind(Compositing::Average), "classification"),
         (set(&[]), "classification", "table".into(), kind(Compositing::First { threshold: 0.5 }), "classification"),
+        (set(&[]), "rule", "linear".into(), kind(Compositing::Maximum), "rule"),
+        (set(&[]), "rule", "quadratic".into(), kind(Compositing::Minimum), "rule"),
+        (set(&[]), "rule", "linear".into(), kind(Compositing::Average), "rule"),
+        (set(&[]), "rule", "quadratic".into(), kind(Compositing::First { threshold: 0.5 }), "rule"),
         (exact.clone(), "classification", "table".into(), over.clone(), "classification"),
         (Options::new().with("max-error", 0.1), "classification", "table".into(), over.clone(), "classification"),
         (set(&[]), "classification", "table".into(), function(), "classification"),
@@ -55,6 +59,22 @@ fn a_choice_that_is_not_honoured_is_refused() {
         with.0.insert(key.to_owned(), value);
         let refusal = drawn(&with, &scene).expect_err("it has no effect");
         assert!(refusal.contains(word), "{with:?}: {refusal}");
+    }
+}
+
+/// What is picked or averaged is evaluated by default, too: asking for that is no mistake, nor are the words that leave the choice to the caster.
+#[test]
+fn a_choice_of_what_is_done_anyway_changes_nothing() {
+    for compositing in
+        [Compositing::Maximum, Compositing::Minimum, Compositing::Average, Compositing::First { threshold: 0.5 }]
+    {
+        let scene = Scene { compositing, ..bumpy() };
+        let usual = drawn(&Options::new(), &scene).unwrap();
+        for (key, value) in
+            [("classification", "exact"), ("classification", "auto"), ("rule", "midpoint"), ("steps", "auto")]
+        {
+            assert_eq!(drawn(&Options::new().with(key, value), &scene).unwrap(), usual, "{key}={value}");
+        }
     }
 }
 

@@ -324,16 +324,6 @@ fn steps_that_end_at_faces_end_where_vacuum_begins() {
 }
 
 #[test]
-fn operators_of_values_do_not_care() {
-    for compositing in [Compositing::Maximum, Compositing::Average, Compositing::First { threshold: 0.6 }] {
-        let scene = Scene { compositing, ..waves(colourful()) };
-        let view = oblique(&scene, 9);
-        let by = |rule| render(&caster(rule, FINE), &scene, &view).frame;
-        assert_eq!(by(Rule::Midpoint), by(Rule::Quadratic), "{compositing:?}");
-    }
-}
-
-#[test]
 fn what_does_not_go_together_is_an_error_that_names_it() {
     let scene = waves(colourful());
     let error = |caster: RayCaster, scene: &Scene| match caster.prepare(scene, &Control::default()) {

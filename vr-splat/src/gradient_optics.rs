@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use vr_core::{Scene, Shading, TransferFunction};
+use vr_kernels::step_by_gradient;
 
 use crate::voxel_optics::{OPAQUE, optics_of};
 
@@ -27,18 +28,7 @@ impl<'a> GradientOptics<'a> {
 
     /// Light and opacity of a homogeneous step of `length` world units, before it reflects, where the gradient has a magnitude.
     pub(crate) fn step(&self, value: f64, magnitude: f64, length: f64) -> [f64; 4] {
-        if self.transfer.has_rows() {
-            return self.transfer.mixture(value, magnitude).step(length);
-        }
-        let (factor, emits) = (self.shading.modulation(magnitude), self.transfer.has_emission());
-        if factor == 0.0 {
-            let [r, g, b] = if emits { self.transfer.at(value).emission.map(|q| q * length) } else { [0.0; 3] };
-            return [r, g, b, 0.0];
-        }
-        // κ times a factor over a length is κ over that length times the factor; emission of its own must not be multiplied along.
-        let [r, g, b, alpha] = self.transfer.step(value, length * factor);
-        let share = if emits { 1.0 / factor } else { 1.0 };
-        [r * share, g * share, b * share, alpha]
+        step_by_gradient(self.transfer, &self.shading, [value, magnitude], length)
     }
 
     /// (q, κ) of a voxel, per world unit, before it reflects; an opaque one's κ is large, not infinite.

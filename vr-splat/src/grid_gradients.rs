@@ -2,9 +2,9 @@
 
 use fearless_simd::Simd;
 use glam::DVec3;
-use vr_core::filter::Lattice;
-use vr_core::{AnyGrid, GradientMethod, GridVolume, Shading, UniformGrid, Voxel};
-use vr_kernels::vector::{Field, LANES, Lanes, Shade, Stage, StepOptics};
+use vr_core::{GradientMethod, GridVolume, Shading};
+use vr_kernels::vector::{AnyField, LANES, Lanes, Shade, Stage, StepOptics};
+use vr_kernels::with_any;
 
 use crate::kernel::{Shape, SplatKernel};
 use crate::kernel_sum::KernelSum;
@@ -54,46 +54,10 @@ pub(crate) struct GridGradients<'a> {
     field: AnyField<'a>,
 }
 
-/// The samples, whatever they are.
-enum AnyField<'a> {
-    U8(Field<'a, u8>),
-    I8(Field<'a, i8>),
-    U16(Field<'a, u16>),
-    I16(Field<'a, i16>),
-    F32(Field<'a, f32>),
-}
-
-/// Calls an expression with the field in an [`AnyField`].
-macro_rules! with_field {
-    ($any:expr, $field:ident => $call:expr) => {
-        match $any {
-            AnyField::U8($field) => $call,
-            AnyField::I8($field) => $call,
-            AnyField::U16($field) => $call,
-            AnyField::I16($field) => $call,
-            AnyField::F32($field) => $call,
-        }
-    };
-}
-
 impl<'a> GridGradients<'a> {
     /// The gradients that a shading asks for, of voxels that a renderer spreads by its kernel.
     pub(crate) fn new(shading: &Shading, renderer: &Splatter, volume: &'a GridVolume) -> Self {
-        fn field<T: Voxel>(grid: &UniformGrid<T>) -> Field<'_, T> {
-            Field::new(&Lattice { samples: grid.samples(), dims: grid.dims() })
-        }
-        let field = match volume.values() {
-            AnyGrid::U8(grid) => AnyField::U8(field(grid)),
-            AnyGrid::I8(grid) => AnyField::I8(field(grid)),
-            AnyGrid::U16(grid) => AnyField::U16(field(grid)),
-            AnyGrid::I16(grid) => AnyField::I16(field(grid)),
-            // Beside missing voxels gradients are those of the nearest values, as they are for the reference.
-            AnyGrid::F32(grid) => {
-                let samples = volume.filled_floats().unwrap_or(grid.samples());
-                AnyField::F32(Field::new(&Lattice { samples, dims: grid.dims() }))
-            }
-        };
-        Self { source: Gradients::new(shading, renderer, volume), volume, field }
+        Self { source: Gradients::new(shading, renderer, volume), volume, field: AnyField::of_volume(volume) }
     }
 
     /// True if gradients are those that vectors take from the voxels.
@@ -111,13 +75,13 @@ impl<'a> GridGradients<'a> {
         modulated: Option<&StepOptics>,
         light: &mut [Lanes; 4],
     ) {
-        let at = with_field!(&self.field, f => cells(f.last_cell, place));
+        let at = with_any!(&self.field, f => cells(f.last_cell, place));
         let none = [Lanes::ZERO; 3];
         match modulated {
             Some(optics) => {
-                with_field!(&self.field, f => shade.apply_modulated(simd, f, &at, &none, optics, light, &mut Stage::default()));
+                with_any!(&self.field, f => shade.apply_modulated(simd, f, &at, &none, optics, light, &mut Stage::default()));
             }
-            None => with_field!(&self.field, f => shade.apply(simd, f, &at, &none, light, &mut Stage::default())),
+            None => with_any!(&self.field, f => shade.apply(simd, f, &at, &none, light, &mut Stage::default())),
         }
     }
 

@@ -113,13 +113,8 @@ impl<'a> Shader<'a> {
                 }
             }
             (_, Slope::Known(gradient)) if vectors => {
-                if let Some(optics) = modulated {
-                    shade.modulate(simd, gradient, optics, light);
-                }
-                pieces.tint(simd, light);
-                if self.optics.reflects {
-                    shade.apply_to_gradients(simd, gradient, light);
-                }
+                let still = [Lanes::ZERO; 3];
+                shade.apply_by(simd, &[*gradient, still], modulated, light, |light| pieces.tint(simd, light));
             }
             _ => {
                 let gradient = self.one_by_one(pieces, light);
@@ -178,6 +173,8 @@ fn packet_shading(optics: &GradientOptics<'_>, scene: &Scene, to_world: DMat3, s
         lights: scene.lights.clone(),
         to_world: std::array::from_fn(|a| to_world.row(a).to_array().map(|x| x as f32)),
         modulation: Modulation::new(&optics.shading, scale),
+        // Mixtures are made one by one.
+        rows: None,
         reflects: optics.reflects,
     }
 }

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use glam::DVec3;
 use vr_core::transfer::Mixture;
 use vr_core::{GradientMethod, GridVolume, Real, Scene, Shading};
+use vr_kernels::step_by_gradient;
 use vr_kernels::tables::PreIntegrated;
-use vr_kernels::vector::{Modulation, PacketShading};
+use vr_kernels::vector::{Modulation, OpticsTable, PacketShading, RowMixture};
 
 /// Extinction and emission by value and by the magnitude of the gradient: a factor on the extinction, or the rows of a transfer function.
 pub(crate) struct GradientMedium<'a> {
@@ -52,19 +53,7 @@ impl<'a> GradientMedium<'a> {
 
     /// Light and opacity of a homogeneous step, `length` world units long, at a value and a magnitude.
     pub(crate) fn step(&self, value: f64, magnitude: f64, length: f64) -> [f64; 4] {
-        let transfer = &self.scene.transfer;
-        if transfer.has_rows() {
-            return transfer.mixture(value, magnitude).step(length);
-        }
-        let (factor, emits) = (self.shading.modulation(magnitude), transfer.has_emission());
-        if factor == 0.0 {
-            let [r, g, b] = if emits { transfer.at(value).emission.map(|q| q * length) } else { [0.0; 3] };
-            return [r, g, b, 0.0];
-        }
-        // κ times a factor over a length is κ over that length times the factor; emission given on its own must not be multiplied along.
-        let [r, g, b, alpha] = transfer.step(value, length * factor);
-        let share = if emits { 1.0 / factor } else { 1.0 };
-        [r * share, g * share, b * share, alpha]
+        step_by_gradient(&self.scene.transfer, &self.shading, [value, magnitude], length)
     }
 
     /// Light and opacity of a segment, `length` world units long, on which the stored number goes linearly from one to another, the magnitude being that of its middle
@@ -112,26 +101,19 @@ impl<'a> GradientMedium<'a> {
         [r * share, g * share, b * share, alpha]
     }
 
-    /// Shadings for kernels whose factor at a gradient per step of texture coordinates, of which c is the index along axis `axes[c]`, is the factor on the extinction;
-    /// or, of each row, its share.
-    pub(crate) fn packet_factors(&self, axes: [usize; 3]) -> Vec<PacketShading> {
+    /// Shading for kernels that makes samples anew by a gradient per step of texture coordinates, of which c is the index along axis `axes[c]`; by tables of the
+    /// rows, where there are any.
+    pub(crate) fn packet_shading(&self, axes: [usize; 3], tables: &Arc<[OpticsTable]>) -> PacketShading {
         let (matrix, scale) = self.volume.placement().scaled_gradient_matrix(self.volume.calibration().slope);
         let to_world = std::array::from_fn(|row| axes.map(|a| matrix.col(a)[row] as f32));
-        let of = |gradient_opacity: Vec<(f64, f64)>| {
-            let shading = Arc::new(Shading { gradient_opacity, ..Shading::flat() });
-            let modulation = Modulation::new(&shading, scale);
-            PacketShading { shading, lights: Vec::new(), to_world, modulation, reflects: false }
-        };
-        if !self.has_rows() {
-            return vec![of(self.shading.gradient_opacity.clone())];
+        PacketShading {
+            shading: Arc::clone(&self.shading),
+            lights: Vec::new(),
+            to_world,
+            modulation: Modulation::new(&self.shading, scale),
+            rows: RowMixture::new(&self.scene.transfer, Arc::clone(tables), scale),
+            reflects: false,
         }
-        let nodes = self.nodes();
-        // A row has all of the share at its own magnitude, and none at its neighbours'.
-        let hat = |i: usize| {
-            let neighbours = i.saturating_sub(1)..(i + 2).min(nodes.len());
-            neighbours.map(|k| (nodes[k], f64::from(u8::from(k == i)))).collect()
-        };
-        (0..nodes.len()).map(|i| of(hat(i))).collect()
     }
 }
 

@@ -153,17 +153,16 @@ impl Prepared for PreparedTextureSlicer {
             }
             None => [0.0; 4],
         };
-        let factors = medium.as_ref().map_or_else(Vec::new, |medium| medium.packet_factors(axes));
+        let by_gradient = medium.as_ref().map(|medium| medium.packet_shading(axes, &tables.row_optics));
         let no_lights = PacketLights::default();
-        let shares: Vec<Shade<'_>> = factors.iter().map(|shading| Shade { shading, lights: &no_lights }).collect();
-        let steepness = medium.as_ref().map(|medium| match (&self.tables.segments, medium.has_rows()) {
+        let shade = by_gradient.as_ref().map(|shading| Shade { shading, lights: &no_lights });
+        let steepness = shade.map(|shade| match (&self.tables.segments, shade.shading.rows.is_some()) {
             (Some(_), true) => Steepness::Segments(&segment_steep),
             (Some(table), false) => {
-                Steepness::SegmentFactor { factor: shares[0], table, emits: scene.transfer.has_emission() }
+                Steepness::SegmentFactor { factor: shade, table, emits: scene.transfer.has_emission() }
             }
             (None, _) if !tables.resolves_extinction => Steepness::Exact(&exact_steep),
-            (None, true) => Steepness::Rows { shares: &shares, optics: &tables.row_optics },
-            (None, false) => Steepness::Factor { factor: shares[0], optics: &tables.optics },
+            (None, _) => Steepness::Samples { shade, optics: &tables.optics },
         });
         // Everything that pixels share.
         let setup = Setup {

@@ -3,9 +3,9 @@
 use std::sync::{Arc, Mutex};
 
 use vr_core::parallel::locked;
-use vr_core::{GridVolume, OpacityRule, Real, Scene, TransferFunction};
+use vr_core::{GridVolume, Real, Scene, TransferFunction};
 use vr_kernels::ranges::Visibility;
-use vr_kernels::tables::{BakedTransfer, PreIntegrated, table_range};
+use vr_kernels::tables::{BakedTransfer, PreIntegrated, resolves_extinction, table_range};
 use vr_kernels::vector::{OpticsTable, SegmentTable};
 
 use crate::texture_slicer::{Format, TextureSlicer};
@@ -25,7 +25,7 @@ pub(crate) struct LengthTables {
     pub(crate) baked: Arc<BakedTransfer<f32>>,
     pub(crate) optics: OpticsTable,
     /// Optics of each row of a transfer function by gradient.
-    pub(crate) row_optics: Vec<OpticsTable>,
+    pub(crate) row_optics: Arc<[OpticsTable]>,
     /// True if the tables of optics tell apart all that extinction does.
     pub(crate) resolves_extinction: bool,
     /// Visibility of fragments of values, as they are classified.
@@ -73,21 +73,6 @@ impl Tables {
     }
 }
 
-/// Largest optical depth over a unit distance by which extinction may be off between two entries of a table.
-const MAX_CURVATURE: f64 = 1e-4;
-
-/// True if extinction is as good as linear over values so far apart. Under the power rule it is −ln(1 − α), and bends where α comes near 1: from a line between two
-/// values, over which α grows by δ, it is off by ⅛·(δ / (1 − α))².
-fn resolves_extinction(transfer: &TransferFunction, spacing: f64) -> bool {
-    transfer.rule() == OpacityRule::Extinction
-        || transfer.segments().iter().all(|segment| {
-            let rise = (segment.end.opacity - segment.start.opacity).abs();
-            let per_entry = rise * (spacing / (segment.to - segment.from)).min(1.0);
-            let clear = 1.0 - segment.end.opacity.max(segment.start.opacity);
-            per_entry == 0.0 || 0.125 * (per_entry / clear).powi(2) <= MAX_CURVATURE
-        })
-}
-
 /// Intervals of a table of segments, the fewest that serve: of 1024 to 65536 the first number at which the knots of the transfer function fall onto the
 /// ends of intervals.
 const INTERVALS: [usize; 3] = [1024, 8192, 65536];
@@ -127,17 +112,7 @@ fn last_segments(scene: &Scene, volume: &GridVolume) -> Arc<SegmentTable> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vr_core::{Calibration, ControlPoint, Placement, UniformGrid};
-
-    #[test]
-    fn extinction_bends_where_it_is_nearly_opaque() {
-        let ramp = |rule, top| {
-            let points = [(0.0, 0.0), (1.0, top), (1.0, 1.0)].map(|(v, a)| ControlPoint::new(v, [1.0; 3], a));
-            resolves_extinction(&TransferFunction::new(points.to_vec(), rule, 1.0).unwrap(), 1e-3)
-        };
-        assert!(ramp(OpacityRule::Power, 0.9) && !ramp(OpacityRule::Power, 0.98));
-        assert!(!ramp(OpacityRule::Power, 1.0) && ramp(OpacityRule::Extinction, 1.0));
-    }
+    use vr_core::{Calibration, ControlPoint, OpacityRule, Placement, UniformGrid};
 
     #[test]
     fn a_volume_keeps_the_table_of_its_last_transfer_function() {

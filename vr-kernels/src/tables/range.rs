@@ -1,7 +1,7 @@
 //! Stored numbers that a table must cover, and tests whether its entries, and single precision, tell apart all that a transfer function does.
 
 use vr_core::transfer::Segment;
-use vr_core::{Calibration, GridVolume, TransferFunction};
+use vr_core::{Calibration, GridVolume, OpacityRule, TransferFunction};
 
 /// Part of a table's range by which it goes beyond the first and the last control point: more than the distance of two entries, so that
 /// a jump at an end point has its other side in the table.
@@ -102,6 +102,21 @@ pub fn beyond_f32(volume: &GridVolume, transfer: &TransferFunction) -> Option<St
     })
 }
 
+/// Largest optical depth over a unit distance by which extinction may be off between two entries of a table.
+const MAX_CURVATURE: f64 = 1e-4;
+
+/// True if extinction is as good as linear over values so far apart. Under the power rule it is −ln(1 − α), and bends where α comes near 1: from a line between two
+/// values, over which α grows by δ, it is off by ⅛·(δ / (1 − α))².
+pub fn resolves_extinction(transfer: &TransferFunction, spacing: f64) -> bool {
+    transfer.rule() == OpacityRule::Extinction
+        || transfer.segments().iter().all(|segment| {
+            let rise = (segment.end.opacity - segment.start.opacity).abs();
+            let per_entry = rise * (spacing / (segment.to - segment.from)).min(1.0);
+            let clear = 1.0 - segment.end.opacity.max(segment.start.opacity);
+            per_entry == 0.0 || 0.125 * (per_entry / clear).powi(2) <= MAX_CURVATURE
+        })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,5 +169,15 @@ mod tests {
         assert!(f64::from(low) < jump && jump < f64::from(high));
         assert_eq!(low.next_up(), high);
         assert_eq!(round_outward((-f64::from(f32::MAX), f64::from(f32::MAX))), (-f32::MAX, f32::MAX));
+    }
+
+    #[test]
+    fn extinction_bends_where_it_is_nearly_opaque() {
+        let ramp = |rule, top| {
+            let points = [(0.0, 0.0), (1.0, top), (1.0, 1.0)].map(|(v, a)| ControlPoint::new(v, [1.0; 3], a));
+            resolves_extinction(&TransferFunction::new(points.to_vec(), rule, 1.0).unwrap(), 1e-3)
+        };
+        assert!(ramp(OpacityRule::Power, 0.9) && !ramp(OpacityRule::Power, 0.98));
+        assert!(!ramp(OpacityRule::Power, 1.0) && ramp(OpacityRule::Extinction, 1.0));
     }
 }

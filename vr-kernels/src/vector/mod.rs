@@ -3,6 +3,7 @@
 //! No bit of a result depends on the instructions: nothing is fused, and logarithm and exponential are our own. What is not inlined loses its
 //! instructions in silence; so all here is, and must be called from where a level's instructions are on ([`run`]).
 
+mod any_field;
 mod chords;
 mod elementary;
 mod field;
@@ -20,6 +21,7 @@ mod taps;
 mod uneven_gradient;
 mod wide_field;
 
+pub use any_field::{AnyField, ByType};
 pub use chords::Chords;
 pub use elementary::{
     depth_of_opacity, ln, opacity_of_depth, source_weight, source_weight_and_opacity, step_of_thickness,
@@ -27,7 +29,7 @@ pub use elementary::{
 pub use field::{Cells, Field, Pairs, Stage, TwoRows, cells, inside};
 pub use lanes::Lanes;
 pub use level::{Vectorized, run};
-pub use modulation::{Modulation, StepOptics};
+pub use modulation::{Modulation, RowMixture, StepOptics};
 pub use operator::Operator;
 pub use rows::{packed, rows_of, transpose, transpose_packed};
 pub use segments::SegmentTable;

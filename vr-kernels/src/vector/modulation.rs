@@ -2,10 +2,11 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_core::Shading;
+use std::sync::Arc;
+use vr_core::{Shading, TransferFunction};
 
 use super::shade::{Shade, largest, world};
-use super::{LANES, Lanes, pick, splat, step_light};
+use super::{LANES, Lanes, OpticsTable, pick, splat, step_light};
 
 /// Factor on the extinction by the magnitude of the gradient: linear between points, constant outside.
 #[derive(Clone, Debug)]
@@ -14,9 +15,20 @@ pub struct Modulation {
     points: Vec<[f32; 2]>,
 }
 
-/// Optical properties of steps, which a factor changes.
+/// Medium of a transfer function by gradient: extinction and emission, mixed from those of its rows.
+#[derive(Clone, Debug)]
+pub struct RowMixture {
+    /// Share of each row by the magnitude of the gradient.
+    shares: Vec<Modulation>,
+    /// Table of each row.
+    tables: Arc<[OpticsTable]>,
+}
+
+/// Optical properties of steps, which a gradient changes.
 #[derive(Clone, Copy, Debug)]
 pub struct StepOptics {
+    /// Stored numbers.
+    pub value: Lanes,
     /// (r, g, b, κ): a row of an [`OpticsTable`](super::OpticsTable).
     pub row: [Lanes; 4],
     /// Length, in the table's unit.
@@ -28,8 +40,12 @@ pub struct StepOptics {
 impl Modulation {
     /// The factors of a shading for gradients in units of so many of its own; `None` if it has none.
     pub fn new(shading: &Shading, unit: f64) -> Option<Self> {
+        Self::of_points(&shading.gradient_opacity, unit)
+    }
+
+    fn of_points(points: &[(f64, f64)], unit: f64) -> Option<Self> {
         let point = |&(magnitude, factor): &(f64, f64)| [(magnitude / unit) as f32, factor as f32];
-        let points: Vec<[f32; 2]> = shading.gradient_opacity.iter().map(point).collect();
+        let points: Vec<[f32; 2]> = points.iter().map(point).collect();
         (!points.is_empty()).then_some(Self { points })
     }
 
@@ -55,6 +71,47 @@ impl Modulation {
     }
 }
 
+impl RowMixture {
+    /// The rows of a transfer function, by a table of each, for gradients in units of so many values per world unit; `None` if it has none.
+    pub fn new(transfer: &TransferFunction, tables: Arc<[OpticsTable]>, unit: f64) -> Option<Self> {
+        let nodes: Vec<f64> = transfer.rows().iter().map(|row| row.gradient).collect();
+        // A row has all of the share at its own magnitude, and none at its neighbours'.
+        let hat = |i: usize| -> Vec<(f64, f64)> {
+            let neighbours = i.saturating_sub(1)..(i + 2).min(nodes.len());
+            neighbours.map(|k| (nodes[k], f64::from(u8::from(k == i)))).collect()
+        };
+        let shares = (0..nodes.len()).filter_map(|i| Modulation::of_points(&hat(i), unit)).collect();
+        (!nodes.is_empty()).then_some(Self { shares, tables })
+    }
+
+    /// Rows of the mixture at stored numbers and world gradients: colour, or emission where tables hold that, and extinction.
+    #[inline(always)]
+    fn at<S: Simd>(&self, simd: S, value: f32x16<S>, w: [f32x16<S>; 3]) -> [f32x16<S>; 4] {
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        let emits = self.emits();
+        let mut sum = [zero; 4];
+        for (share, table) in self.shares.iter().zip(&*self.tables) {
+            let share = share.factor(simd, w);
+            if share.simd_gt(zero).any_true() {
+                let row = table.rows().at(simd, value);
+                let kappa = row[3] * share;
+                let weight = if emits { share } else { kappa };
+                sum = [sum[0] + row[0] * weight, sum[1] + row[1] * weight, sum[2] + row[2] * weight, sum[3] + kappa];
+            }
+        }
+        if emits {
+            return sum;
+        }
+        let per_kappa = one / pick(sum[3].simd_gt(zero), sum[3], one);
+        [sum[0] * per_kappa, sum[1] * per_kappa, sum[2] * per_kappa, sum[3]]
+    }
+
+    /// True if emission is given on its own.
+    pub fn emits(&self) -> bool {
+        self.tables.first().is_some_and(|table| table.emits)
+    }
+}
+
 impl Shade<'_> {
     /// Factors of [`modulation`](super::PacketShading::modulation) on the extinction at gradients; 1 where it has none.
     #[inline(never)]
@@ -71,9 +128,14 @@ impl Shade<'_> {
         factors
     }
 
-    /// Makes light and opacity of steps that absorb anew, their extinction times the [`factors`](Self::factors) at gradients.
+    /// Makes light and opacity of steps anew by their gradients: of those that absorb, their extinction times the [`factors`](Self::factors); or of those
+    /// that any row shows, by the [mixture](RowMixture) of the rows.
     #[inline(never)]
     pub fn modulate<S: Simd>(&self, simd: S, gradient: &[Lanes; 3], optics: &StepOptics, light: &mut [Lanes; 4]) {
+        if let Some(rows) = &self.shading.rows {
+            self.mix(simd, rows, gradient, optics, light);
+            return;
+        }
         let Some(modulation) = &self.shading.modulation else { return };
         simd.vectorize(
             #[inline(always)]
@@ -86,6 +148,30 @@ impl Shade<'_> {
                 let absorbs = light[3].load(simd).simd_gt(splat(simd, 0.0));
                 for c in 0..4 {
                     light[c] = Lanes::new(pick(absorbs, changed[c], light[c].load(simd)));
+                }
+            },
+        );
+    }
+
+    #[inline(never)]
+    fn mix<S: Simd>(
+        &self,
+        simd: S,
+        rows: &RowMixture,
+        gradient: &[Lanes; 3],
+        optics: &StepOptics,
+        light: &mut [Lanes; 4],
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let gradient = [gradient[0].load(simd), gradient[1].load(simd), gradient[2].load(simd)];
+                let mixed = rows.at(simd, optics.value.load(simd), world(&self.shading.to_world, gradient));
+                let changed = step_light(simd, mixed, optics.length.load(simd), rows.emits());
+                let largest = light[0].load(simd).max(light[1].load(simd)).max(light[2].load(simd));
+                let shows = largest.max(light[3].load(simd)).simd_gt(splat(simd, 0.0));
+                for c in 0..4 {
+                    light[c] = Lanes::new(pick(shows, changed[c], light[c].load(simd)));
                 }
             },
         );

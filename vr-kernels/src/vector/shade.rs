@@ -7,7 +7,7 @@ use fearless_simd::{Simd, f32x16, i32x16};
 use glam::DVec3;
 
 use super::field::{Cells, Field, Pairs, Stage};
-use super::modulation::{Modulation, StepOptics};
+use super::modulation::{Modulation, RowMixture, StepOptics};
 use super::{LANES, Lanes, ln, opacity_of_depth, pick, splat};
 use vr_core::{Light, Placement, Shading, turning};
 
@@ -22,6 +22,8 @@ pub struct PacketShading {
     pub to_world: [[f32; 3]; 3],
     /// Factor on the extinction by the gradient; `None` where it has none.
     pub modulation: Option<Modulation>,
+    /// Rows of the transfer function that the gradient mixes; `None` where it has none. With rows there are no factors.
+    pub rows: Option<RowMixture>,
     /// True if colours reflect light.
     pub reflects: bool,
 }
@@ -31,7 +33,13 @@ impl PacketShading {
     pub fn new(shading: Arc<Shading>, lights: &[Light], placement: &Placement, axes: [usize; 3]) -> Self {
         let (matrix, _) = placement.scaled_gradient_matrix(1.0);
         let to_world = std::array::from_fn(|row| axes.map(|a| matrix.col(a)[row] as f32));
-        Self { shading, lights: lights.to_vec(), to_world, modulation: None, reflects: true }
+        Self { shading, lights: lights.to_vec(), to_world, modulation: None, rows: None, reflects: true }
+    }
+
+    /// True if light and opacity follow the gradient, apart from what is reflected.
+    #[inline(always)]
+    pub fn follows_gradients(&self) -> bool {
+        self.modulation.is_some() || self.rows.is_some()
     }
 }
 
@@ -171,10 +179,27 @@ impl Shade<'_> {
         light: &mut [Lanes; 4],
         stage: &mut Stage<T>,
     ) {
-        let [gradient, turn] = central_differences(simd, field, at, step, stage);
-        self.modulate(simd, &gradient, optics, light);
+        let gradients = central_differences(simd, field, at, step, stage);
+        self.apply_by(simd, &gradients, Some(optics), light, |_| ());
+    }
+
+    /// Changes the light of steps by their gradients, and by how these turn from begin to end: light and opacity are made anew first, where there are
+    /// `optics` to make them from; then `tint` multiplies the light by colours of its places; and what is left reflects.
+    #[inline(always)]
+    pub fn apply_by<S: Simd>(
+        &self,
+        simd: S,
+        [gradient, turn]: &[[Lanes; 3]; 2],
+        optics: Option<&StepOptics>,
+        light: &mut [Lanes; 4],
+        tint: impl FnOnce(&mut [Lanes; 4]),
+    ) {
+        if let Some(optics) = optics {
+            self.modulate(simd, gradient, optics, light);
+        }
+        tint(light);
         if self.shading.reflects {
-            self.apply_to_turning(simd, &gradient, &turn, light);
+            self.apply_to_turning(simd, gradient, turn, light);
         }
     }
 

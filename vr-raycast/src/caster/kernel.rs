@@ -12,7 +12,8 @@ pub enum TransferLookup {
     /// It is refused where nothing is looked up in a table, whatever the transfer function: under operators that pick a value, by
     /// [`Rule::Exact`](super::Rule::Exact), under an error bound, and in fields that the plain engine draws and that are no grids.
     Table,
-    /// Evaluation at every sample in f64: slow, for study and for transfer functions finer than any table.
+    /// Evaluation at every sample in f64: slow, for study and for transfer functions finer than any table. What an operator picks or averages is evaluated
+    /// by default, too.
     Exact,
 }
 
@@ -30,8 +31,8 @@ pub enum Precision {
 /// Instructions that the vector engine may use.
 ///
 /// It draws `over` and `accumulate` under every filter, front to back, in f32 with a table, by the rules `midpoint`, `linear` and `quadratic` in uniform and
-/// in local steps, and by `left` in uniform ones; unshaded or shaded by gradients of either kind; opacity may follow the gradient, samples may be missing,
-/// and voxels may have colours. It picks values, too (but no mean of colours). Grids of fewer than four voxels along x have no rows for filters of four taps.
+/// in local steps, and by `left` in uniform ones; unshaded or shaded by gradients of either kind; opacity may follow the gradient, by factors or by rows of the
+/// transfer function, samples may be missing, and voxels may have colours. Steps from node to node of an octree, by homogeneity or by variance, it takes by `midpoint`. It picks values, too (but no mean of colours). Grids of fewer than four voxels along x have no rows for filters of four taps.
 /// Scattered points it draws under `over` and `accumulate` by `midpoint` and `left`, shaded or not, with opacity by the gradient, while lists of the points near
 /// each place fit into 320 MB. Everything else goes through the plain engine. Under uniform steps it leaps by cubes of blocks of its own; with
 /// [`EmptySpace::None`](super::EmptySpace::None), not at all. A structure that is asked for by name is the plain engine's.

@@ -10,6 +10,7 @@ use super::moments::Moments;
 use super::straightness::bends;
 use crate::caster::{RayCaster, Step, Traversal};
 use crate::error_bound::optics::{Extremes, Optics};
+use crate::leap::VisibleBlocks;
 
 /// Map from every block of 4³ cells to the largest node of an octree around it that a ray may cross in one step.
 ///
@@ -76,7 +77,8 @@ pub(crate) enum Node {
     Mixed,
 }
 
-const MIXED: u8 = 255;
+/// Byte of a block in no such node: below those of clear ones.
+const MIXED: u8 = CLEAR - 1;
 /// Number that is added to the level where nothing is visible.
 const CLEAR: u8 = 128;
 
@@ -144,7 +146,7 @@ impl Homogeneity {
             .collect();
         let mut bytes = vec![MIXED; nodes.len()];
         let mut size = blocks;
-        for level in 0..u32::from(CLEAR) {
+        for level in 0..u32::from(MIXED) {
             for (node, &bend) in nodes.iter_mut().zip(bends.get(level as usize).into_iter().flatten()) {
                 node.bend = bend;
             }
@@ -193,6 +195,31 @@ impl Homogeneity {
             clear @ CLEAR.. => Node::Clear(u32::from(clear - CLEAR)),
             level => Node::Homogeneous(u32::from(level)),
         }
+    }
+
+    /// Returns the bytes of the blocks, x fastest, which [`Self::edges`] explains.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// Returns, by the byte of a block, the cells along the edge of the node that sets the step in it: below 0 if the node is clear, 0 if there is none.
+    pub(crate) fn edges() -> [f32; 256] {
+        let edge = |level: u8| Self::EDGE as f32 * libm::exp2f(f32::from(level));
+        std::array::from_fn(|byte| match byte as u8 {
+            MIXED => 0.0,
+            clear @ CLEAR.. => -edge(clear - CLEAR),
+            level => edge(level),
+        })
+    }
+
+    /// Returns the visible blocks, of twice the edge, of a volume with the given voxels along x, y, z.
+    pub(crate) fn visible(&self, dims: [usize; 3]) -> VisibleBlocks {
+        VisibleBlocks::of_halves(dims, Self::EDGE, &self.bytes, CLEAR)
+    }
+
+    /// True if some nodes may be crossed at the mean of their field.
+    pub(crate) fn has_means(&self) -> bool {
+        self.means.is_some()
     }
 
     /// Returns the level of the largest node around a block that may be crossed at the mean of its field, and this mean, where that node is larger

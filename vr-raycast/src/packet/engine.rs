@@ -21,10 +21,15 @@ use super::leap::Distances;
 use super::level;
 use super::local::{LocalSteps, by_byte};
 use super::march::{LatticeSteps, MarchSteps, Medium};
+#[cfg(feature = "classics")]
+use super::nodes::NodeSteps;
 use super::segments::{SegmentLengths, SegmentSteps};
 use super::setup::FrameSetup;
+use super::shading::row_tables;
 use super::trace::{Trace, TraceFrame};
 use crate::caster::{CompositingOrder, EmptySpace, RayCaster, Rule, Step, TransferLookup, Traversal};
+#[cfg(feature = "classics")]
+use crate::classics::Homogeneity;
 use crate::leap::{Visibility, VisibleBlocks};
 use crate::near_depths::NearDepths;
 use crate::render_tables::RenderTables;
@@ -74,6 +79,15 @@ pub(crate) enum PacketLengths {
         /// Step by the byte of the map; see [`by_byte`].
         by_byte: Box<[f32; 256]>,
     },
+    /// Nodes of an octree, each crossed in one step where the medium hardly changes in it, and short steps elsewhere.
+    #[cfg(feature = "classics")]
+    Nodes {
+        map: Arc<Homogeneity>,
+        /// Edge of a node by the byte of the map.
+        edges: Box<[f32; 256]>,
+        /// Length of a short step, in smallest voxel edges.
+        step: f32,
+    },
 }
 
 /// Source of the light of a step.
@@ -96,6 +110,23 @@ impl PacketLengths {
             Self::Lattice(Some(distances)) => distances.visible(dims),
             Self::Lattice(None) => VisibleBlocks::from_fn(dims, 2 * EDGE, |_| true),
             Self::Local { map, .. } => map.visible(dims),
+            #[cfg(feature = "classics")]
+            Self::Nodes { map, .. } => map.visible(dims),
+        }
+    }
+
+    /// Returns the distances to the nearest visible blocks, where steps of one length leap over others.
+    fn distances(&self) -> Option<&Distances> {
+        if let Self::Lattice(distances) = self { distances.as_ref() } else { None }
+    }
+
+    /// Returns the steps that follow the data as packets take them, where `unit` is the world length of the smallest voxel edge; `None` if all have one length.
+    fn local_steps(&self, unit: f64) -> Option<LocalSteps<'_>> {
+        match self {
+            Self::Lattice(_) => None,
+            Self::Local { map, by_byte } => Some(LocalSteps::new(map, by_byte, unit)),
+            #[cfg(feature = "classics")]
+            Self::Nodes { map, edges, step } => Some(LocalSteps::of_nodes(NodeSteps { map, step: *step }, edges)),
         }
     }
 }
@@ -123,14 +154,14 @@ impl PacketEngine {
             Compositing::Accumulate { level } => (level, 0.0),
             _ => return None,
         };
-        let common = !scene.transfer.has_rows()
-            && caster.traversal == Traversal::Samples
-            && caster.transfer_lookup != TransferLookup::Exact;
+        let common = caster.traversal == Traversal::Samples && caster.transfer_lookup != TransferLookup::Exact;
         // The structures that leap along whole rays are the plain engine's.
         if caster.empty_space.is_named() {
             return None;
         }
-        let step = caster.world_step(volume.placement());
+        let is_uniform = matches!(caster.step, Step::Uniform(_));
+        let voxel = volume.placement().spacing().min_element();
+        let step = if is_uniform { caster.world_step(volume.placement()) } else { voxel };
         if !common || !fits(caster, volume) {
             return None;
         }
@@ -144,7 +175,6 @@ impl PacketEngine {
         // A field that is constant around each voxel has no gradient of its own: nothing reflects.
         let is_flat = volume.filter() == Filter::Nearest && gradient == GradientMethod::Analytic;
         let reflects = scene.reflection().is_some() && !is_flat;
-        let shading = tables.shader.as_ref().and_then(|s| s.for_packets(reflects));
         let leaps = caster.empty_space != EmptySpace::None;
         // Choose what a step's light is looked up in, and the lengths of the steps.
         let profile = tables.classifier.profile.as_ref();
@@ -153,11 +183,12 @@ impl PacketEngine {
             Some(course) => Some(course.table.as_ref()?),
             None => None,
         };
-        let is_uniform = matches!(caster.step, Step::Uniform(_));
         let table = match &tables.classifier.table {
             Some((table, _)) if is_uniform => Arc::clone(table),
             _ => Arc::new(baked(scene, volume, step)?),
         };
+        let rows = row_tables(scene, &table, volume.calibration(), step)?;
+        let shading = tables.shader.as_ref().and_then(|s| s.for_packets(&scene.transfer, rows, reflects));
         let lengths = match (caster.step, &tables.step_map) {
             (Step::Uniform(_), _) => {
                 let baked = integrated.is_none().then_some(&table);
@@ -167,6 +198,11 @@ impl PacketEngine {
             // Local steps by the rule left are the plain engine's.
             (Step::Local { .. }, Some(map)) if caster.rule != Rule::Left => {
                 PacketLengths::Local { map: Arc::clone(map), by_byte: Box::new(by_byte(map, step)) }
+            }
+            #[cfg(feature = "classics")]
+            (Step::Homogeneous { step: short, .. } | Step::Variance { step: short, .. }, _) => {
+                let map = Arc::clone(tables.homogeneity.as_ref()?);
+                PacketLengths::Nodes { map, edges: Box::new(Homogeneity::edges()), step: short as f32 }
             }
             _ => return None,
         };
@@ -283,24 +319,17 @@ impl PacketFrame<'_> {
             field,
             vacuum: self.volume.vacuum_cells(),
             dims: self.volume.dims(),
-            steps: match (&engine.lengths, &engine.light) {
-                (PacketLengths::Lattice(distances), StepLight::Sample(table)) => {
-                    MarchSteps::Lattice(LatticeSteps { rows: Rows::new(table), distances: distances.as_ref() })
+            steps: match (&engine.light, engine.lengths.local_steps(engine.step)) {
+                (StepLight::Sample(table), None) => {
+                    MarchSteps::Lattice(LatticeSteps { rows: Rows::new(table), distances: engine.lengths.distances() })
                 }
-                (PacketLengths::Local { map, by_byte }, StepLight::Sample(_)) => {
-                    MarchSteps::Local(LocalSteps::new(map, by_byte, engine.step))
-                }
-                (lengths, StepLight::Course { table, is_parabola }) => {
+                (StepLight::Sample(_), Some(steps)) => MarchSteps::Local(steps),
+                (StepLight::Course { table, is_parabola }, steps) => {
                     let (is_parabola, unit) = (*is_parabola, engine.step as f32);
-                    let (lengths, has_holes) = match lengths {
-                        PacketLengths::Lattice(distances) => {
-                            (SegmentLengths::Lattice(distances.as_ref()), self.volume.vacuum_cells().is_some())
-                        }
-                        // No sample is missing where steps end at the faces of holes.
-                        PacketLengths::Local { map, by_byte } => {
-                            (SegmentLengths::Local(LocalSteps::new(map, by_byte, engine.step)), false)
-                        }
-                    };
+                    // No sample is missing where steps end at the faces of holes.
+                    let has_holes = steps.is_none() && self.volume.vacuum_cells().is_some();
+                    let lengths = steps
+                        .map_or_else(|| SegmentLengths::Lattice(engine.lengths.distances()), SegmentLengths::Local);
                     MarchSteps::Segments(SegmentSteps {
                         course: Course { table, is_parabola, has_holes, unit },
                         lengths,
@@ -326,7 +355,7 @@ impl PacketFrame<'_> {
             offset: match &self.engine.lengths {
                 PacketLengths::Lattice(_) => self.engine.offset,
                 // Positions are those of any distance, not of samples.
-                PacketLengths::Local { .. } => 0.0,
+                _ => 0.0,
             },
             forward: self.forward,
         }

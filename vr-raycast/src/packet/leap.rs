@@ -145,6 +145,26 @@ impl<S: Simd> Leaper<S> {
         steps.max(splat(simd, 0.0))
     }
 
+    /// Returns the steps from a position to the point where it leaves its node of so many cells an edge, a power of two.
+    #[cfg(feature = "classics")]
+    #[inline(always)]
+    pub(crate) fn to_node_exit(
+        &self,
+        simd: S,
+        position: [f32x16<S>; 3],
+        cells: &Cells<S>,
+        edge: f32x16<S>,
+    ) -> f32x16<S> {
+        let mut steps = splat(simd, 1e6);
+        let per_edge = splat(simd, 1.0) / edge;
+        for a in 0..3 {
+            let cell: f32x16<S> = cells.cell[a].to_float();
+            let face = ((cell * per_edge).floor() + self.face[a] + self.sign[a]) * edge;
+            steps = steps.min((face - position[a]) * self.per_index[a]);
+        }
+        steps.max(splat(simd, 0.0))
+    }
+
     /// Returns the steps from a position to the next face of a cell.
     #[inline(always)]
     pub(crate) fn to_face(&self, position: [f32x16<S>; 3], cells: &Cells<S>) -> f32x16<S> {

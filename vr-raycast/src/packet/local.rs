@@ -8,6 +8,8 @@ use super::fields::PacketField;
 use super::gaps::outside_holes;
 use super::leap::{Leaper, block_index};
 use super::march::{Medium, PacketResult, Path, finish, shaded};
+#[cfg(feature = "classics")]
+use super::nodes::NodeSteps;
 use super::setup::Packet;
 use crate::step_map::{CLEAR, Cuts, StepMap};
 
@@ -34,6 +36,9 @@ enum Faces<'a> {
         /// Longest step between faces.
         length: f32,
     },
+    /// Faces of the nodes of an octree.
+    #[cfg(feature = "classics")]
+    Nodes(NodeSteps<'a>),
 }
 
 /// Returns the table in which [`LocalSteps`] looks bytes up.
@@ -45,7 +50,7 @@ pub(crate) fn by_byte(map: &StepMap, voxel: f64) -> [f32; 256] {
 }
 
 /// Distance of the look ahead from the begin of a step, so that the step counts for the block that it leads into: beyond the rounding of a position.
-const NUDGE: f32 = 1.0 / 1024.0;
+pub(super) const NUDGE: f32 = 1.0 / 1024.0;
 
 /// Largest rest of a ray that is not worth a step: below the rounding of a position.
 pub(crate) const REST: f32 = 1e-5;
@@ -63,6 +68,12 @@ impl<'a> LocalSteps<'a> {
         Self { bytes: map.bytes(), blocks: map.blocks(), by_byte, faces }
     }
 
+    /// Steps from node to node, by the edges of the nodes of each byte of their map.
+    #[cfg(feature = "classics")]
+    pub(crate) fn of_nodes(nodes: NodeSteps<'a>, edges: &'a [f32; 256]) -> Self {
+        Self { bytes: nodes.map.bytes(), blocks: nodes.map.blocks(), by_byte: edges, faces: Faces::Nodes(nodes) }
+    }
+
     /// Returns the entries of `by_byte` for the blocks of sixteen cells.
     #[inline(always)]
     fn at<S: Simd>(&self, simd: S, cells: &Cells<S>) -> f32x16<S> {
@@ -75,8 +86,9 @@ impl<'a> LocalSteps<'a> {
     }
 
     /// Moves rays in clear blocks on, until at least half of those that go on are in visible ones. Returns these, and the lengths that the blocks of their
-    /// positions ask for.
+    /// positions ask for; `means` as [`or_means`] takes them.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "lanes in registers: what held them would be kept in memory")]
     pub(crate) fn leap<S: Simd, T: PacketField>(
         &self,
         simd: S,
@@ -85,6 +97,7 @@ impl<'a> LocalSteps<'a> {
         leaper: &Leaper<S>,
         at: &mut f32x16<S>,
         stop: f32x16<S>,
+        means: &mut Lanes,
     ) -> (mask32x16<S>, f32x16<S>) {
         let mut live = at.simd_lt(stop - REST);
         let mut length;
@@ -96,8 +109,7 @@ impl<'a> LocalSteps<'a> {
                 break;
             }
             let visible = live & !clear;
-            let exit: f32x16<S> = *at + NUDGE + leaper.exit(simd, position, &cells, -length);
-            *at = pick(clear, exit, *at);
+            *at = pick(clear, *at + NUDGE + self.exit(simd, leaper, position, &cells, -length), *at);
             live = visible;
             let walking = at.simd_lt(stop - REST);
             let (known, all) = (visible.to_bitmask().count_ones(), walking.to_bitmask().count_ones());
@@ -108,12 +120,39 @@ impl<'a> LocalSteps<'a> {
         }
         if !matches!(self.faces, Faces::None) {
             let (position, here) = ray.cells(simd, medium, *at + NUDGE);
-            length = self.cut(simd, leaper, position, &here, length);
+            length = self.cut(simd, leaper, *at, position, &here, length, means);
         }
         (live, length)
     }
 
-    /// Returns the lengths that the blocks of positions ask for; below 0 in clear ones.
+    /// Returns the steps from a position in a clear block to where those that are known to be clear end; `clear` is its entry of `by_byte`, without the sign.
+    #[inline(always)]
+    fn exit<S: Simd>(
+        &self,
+        simd: S,
+        leaper: &Leaper<S>,
+        position: [f32x16<S>; 3],
+        cells: &Cells<S>,
+        clear: f32x16<S>,
+    ) -> f32x16<S> {
+        #[cfg(feature = "classics")]
+        if let Faces::Nodes(_) = self.faces {
+            return leaper.to_node_exit(simd, position, cells, clear);
+        }
+        leaper.exit(simd, position, cells, clear)
+    }
+
+    /// True if some steps go through all of a node at a mean that is known.
+    #[inline(always)]
+    fn has_means(&self) -> bool {
+        #[cfg(feature = "classics")]
+        if let Faces::Nodes(nodes) = self.faces {
+            return nodes.map.has_means();
+        }
+        false
+    }
+
+    /// Returns the lengths that the blocks of positions ask for; below 0 in clear ones. `means` as [`or_means`] takes them.
     #[inline(always)]
     pub(crate) fn length<S: Simd, T: PacketField>(
         &self,
@@ -122,21 +161,27 @@ impl<'a> LocalSteps<'a> {
         ray: &Path<S>,
         leaper: &Leaper<S>,
         at: f32x16<S>,
+        means: &mut Lanes,
     ) -> f32x16<S> {
         let (position, cells) = ray.cells(simd, medium, at + NUDGE);
         let length = self.at(simd, &cells);
-        self.cut(simd, leaper, position, &cells, length)
+        self.cut(simd, leaper, at, position, &cells, length, means)
     }
 
-    /// Returns steps from positions that end at the next face, where blocks ask for that. Those of clear blocks stay below 0.
+    /// Returns steps from positions that end at the next face, where blocks ask for that. Those of clear blocks stay below 0. Writes the means of nodes that
+    /// are crossed at these, as [`or_means`] takes them.
     #[inline(always)]
+    #[cfg_attr(not(feature = "classics"), expect(unused_variables, reason = "what steps between nodes need"))]
+    #[expect(clippy::too_many_arguments, reason = "lanes in registers: what held them would be kept in memory")]
     fn cut<S: Simd>(
         &self,
         simd: S,
         leaper: &Leaper<S>,
+        at: f32x16<S>,
         position: [f32x16<S>; 3],
         cells: &Cells<S>,
         length: f32x16<S>,
+        means: &mut Lanes,
     ) -> f32x16<S> {
         let zero = splat(simd, 0.0);
         match self.faces {
@@ -159,8 +204,17 @@ impl<'a> LocalSteps<'a> {
                 }
                 pick(length.simd_lt(zero), length, (face.max(zero) + NUDGE).min(splat(simd, longest)))
             }
+            #[cfg(feature = "classics")]
+            Faces::Nodes(nodes) => nodes.length(simd, leaper, at, position, cells, length, means),
         }
     }
+}
+
+/// Returns values, or the means that stand for them; NaN where there is none.
+#[inline(always)]
+fn or_means<S: Simd>(simd: S, value: f32x16<S>, means: &Lanes) -> f32x16<S> {
+    let mean = means.load(simd);
+    pick(mean.simd_eq(mean), mean, value)
 }
 
 /// Walks each ray on its own: over clear blocks to their end, and through the rest in steps of the length that the block of their
@@ -185,8 +239,9 @@ pub(crate) fn local<S: Simd, T: PacketField>(
     let mut stop = packet.stop.load(simd);
     let mut sums = Sums::new(simd);
     let mut samples = 0;
+    let mut means = [Lanes::ZERO; 2];
     loop {
-        let (mut live, mut length) = lengths.leap(simd, medium, &ray, &leaper, &mut at, stop);
+        let (mut live, mut length) = lengths.leap(simd, medium, &ray, &leaper, &mut at, stop, &mut means[0]);
         let bits = live.to_bitmask();
         if bits == 0 {
             break;
@@ -199,14 +254,20 @@ pub(crate) fn local<S: Simd, T: PacketField>(
         medium.field.fetch(simd, &cells, now);
         // The next step of those that go on in a visible block: while the first waits for its samples, those of the second are fetched.
         let then = pick(live, at + length, at);
-        let length_then = lengths.length(simd, medium, &ray, &leaper, then);
+        let length_then = lengths.length(simd, medium, &ray, &leaper, then, &mut means[1]);
         let visible = live & length_then.simd_ge(zero);
         let length_then = length_then.max(zero).min(stop - then).max(zero);
         let (_, cells_then) = ray.cells(simd, medium, then + length_then * 0.5);
         medium.field.fetch(simd, &cells_then, next);
         // Classify both samples, and composite them front to back.
-        let optics = rows.at(simd, medium.field.value(simd, &cells, now));
-        let optics_then = rows.at(simd, medium.field.value(simd, &cells_then, next));
+        let mut value = medium.field.value(simd, &cells, now);
+        let mut value_then = medium.field.value(simd, &cells_then, next);
+        if lengths.has_means() {
+            value = or_means(simd, value, &means[0]);
+            value_then = or_means(simd, value_then, &means[1]);
+        }
+        let optics = rows.at(simd, value);
+        let optics_then = rows.at(simd, value_then);
         let light = step_light(simd, optics, length, medium.optics.emits);
         let light = shaded(simd, medium, lights, live, &ray, (&cells, length), light, now);
         let light = outside_holes(simd, medium.vacuum, &cells, live, light);

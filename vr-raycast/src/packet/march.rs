@@ -243,8 +243,14 @@ pub(crate) fn shaded<S: Simd, T: PacketField>(
     let [r, g, b, alpha] = light;
     let zero = splat(simd, 0.0);
     let mut shows = alpha.simd_gt(zero);
-    if has_colors {
-        // What shines without absorbing has a colour, too.
+    let mut has_rows = false;
+    let mut follows_gradients = false;
+    if let Some(shading) = medium.shading {
+        has_rows = shading.rows.is_some();
+        follows_gradients = shading.follows_gradients();
+    }
+    if has_colors || has_rows {
+        // What shines without absorbing has a colour, too, and a row.
         shows |= r.max(g).max(b).simd_gt(zero);
     }
     if (live & shows).all_false() {
@@ -254,17 +260,16 @@ pub(crate) fn shaded<S: Simd, T: PacketField>(
     let step = ray.extent(medium, length);
     let mut lanes = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(alpha)];
     let mut shade = None;
-    let mut modulates = false;
     if let Some(shading) = medium.shading {
         shade = Some(Shade { shading, lights });
-        modulates = shading.modulation.is_some();
     }
-    if modulates {
+    if follows_gradients {
         // Found anew: a value that was kept for this would take a register from every scene.
         let value = medium.field.value(simd, at, stage);
         let [r, g, b, kappa] = medium.optics.rows().at(simd, value);
         let row = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(kappa)];
-        let optics = StepOptics { row, length: Lanes::new(length), emits: medium.optics.emits };
+        let (value, length) = (Lanes::new(value), Lanes::new(length));
+        let optics = StepOptics { value, row, length, emits: medium.optics.emits };
         medium.field.look(simd, shade, &place, &step, Some(&optics), &mut lanes, stage);
     } else {
         medium.field.look(simd, shade, &place, &step, None, &mut lanes, stage);

@@ -39,6 +39,8 @@ mod leap;
 mod level;
 mod local;
 mod march;
+#[cfg(feature = "classics")]
+mod nodes;
 mod patches;
 mod picks;
 mod points;
@@ -46,6 +48,7 @@ mod points;
 mod random_scenes;
 mod segments;
 mod setup;
+mod shading;
 mod trace;
 
 pub(crate) use engine::{PacketEngine, PacketFrame};

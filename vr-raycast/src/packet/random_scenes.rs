@@ -94,6 +94,18 @@ pub(super) fn transfers(max_opacity: f64) -> impl Strategy<Value = TransferFunct
     )
 }
 
+/// Strategy of transfer functions by value and gradient, of two rows.
+pub(super) fn row_transfers(max_opacity: f64) -> impl Strategy<Value = TransferFunction> {
+    let row = || transfers(max_opacity);
+    (row(), row(), 0.0f64..1.0, 0.1f64..1.0).prop_filter_map(
+        "emission in one row alone",
+        |(low, high, gradient, gap)| {
+            let rows = vec![(gradient, low.points().to_vec()), (gradient + gap, high.points().to_vec())];
+            TransferFunction::of_rows(rows, low.rule(), low.unit_distance()).ok()
+        },
+    )
+}
+
 /// Views of a volume from all sides, from far and from within, clipped or not, with or without a layer; odd sizes.
 fn scene_of(
     scene: Scene,

@@ -187,7 +187,9 @@ impl<'a, S: Simd> Walker<'a, S> {
                 (live, pick(at.simd_lt(end), one, *last))
             }
             Self::Local(steps, leaper) => {
-                let (live, length) = steps.leap(simd, medium, ray, leaper, at, end);
+                // No rule over all values of a step crosses nodes at a mean.
+                let mut no_means = Lanes::ZERO;
+                let (live, length) = steps.leap(simd, medium, ray, leaper, at, end, &mut no_means);
                 (live, length.max(splat(simd, 0.0)).min(end - *at).max(splat(simd, 0.0)))
             }
         }
@@ -207,7 +209,8 @@ impl<'a, S: Simd> Walker<'a, S> {
         let (follows, length) = match self {
             Self::Lattice { last, .. } => (at.simd_le(end), pick(at.simd_lt(end), splat(simd, 1.0), *last)),
             Self::Local(steps, leaper) => {
-                let length = steps.length(simd, medium, ray, leaper, at);
+                let mut no_means = Lanes::ZERO;
+                let length = steps.length(simd, medium, ray, leaper, at, &mut no_means);
                 (length.simd_ge(zero) & at.simd_lt(end - REST), length.min(end - at))
             }
         };

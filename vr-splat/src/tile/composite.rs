@@ -78,7 +78,8 @@ impl Tile<'_> {
                         let row = optics.rows().at(simd, value);
                         if follows {
                             let row = [Lanes::new(row[0]), Lanes::new(row[1]), Lanes::new(row[2]), Lanes::new(row[3])];
-                            step = Some(StepOptics { row, length: Lanes::new(length * per_unit), emits: optics.emits });
+                            let length = Lanes::new(length * per_unit);
+                            step = Some(StepOptics { value: Lanes::new(value), row, length, emits: optics.emits });
                         }
                         step_light(simd, row, length * per_unit, optics.emits)
                     }

@@ -1,9 +1,8 @@
 //! Opacity that follows the gradient, of sixteen fragments at a time: after a first classification has told which of them have any light at all.
 
-use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16};
+use fearless_simd::Simd;
 use vr_core::Real;
-use vr_kernels::vector::{LANES, Lanes, OpticsTable, SegmentTable, Shade, StepOptics, pick, splat, step_light};
+use vr_kernels::vector::{LANES, Lanes, OpticsTable, SegmentTable, Shade, StepOptics};
 
 use super::chunk::{CHUNK, Chunk};
 use super::classify::integrate;
@@ -12,10 +11,8 @@ use crate::medium::without_extinction;
 /// Medium of fragments by value and gradient.
 #[derive(Clone, Copy)]
 pub(crate) enum Steepness<'a> {
-    /// A factor on the extinction of samples, by a table of their optics.
-    Factor { factor: Shade<'a>, optics: &'a OpticsTable },
-    /// A mixture of rows, each by its share and a table.
-    Rows { shares: &'a [Shade<'a>], optics: &'a [OpticsTable] },
+    /// Samples by a table of their optics: a factor on the extinction, or a mixture of rows.
+    Samples { shade: Shade<'a>, optics: &'a OpticsTable },
     /// Samples one by one in f64: light and opacity by stored number, length in table lengths and gradient per step of texture coordinates.
     Exact(&'a (dyn Fn(f32, f32, [f32; 3]) -> [f32; 4] + Sync)),
     /// A factor on the extinction of segments; `emits`: emission is given on its own, which no factor changes.
@@ -41,20 +38,11 @@ impl Steepness<'_> {
                     }
                     let (value, gradient, light) = (&chunk.value[j], &chunk.gradient[j], &mut chunk.light[j]);
                     match *self {
-                        Self::Factor { factor, optics } => {
+                        Self::Samples { shade, optics } => {
                             let row = optics.rows().at(simd, value.load(simd));
                             let row = [Lanes::new(row[0]), Lanes::new(row[1]), Lanes::new(row[2]), Lanes::new(row[3])];
-                            let optics = StepOptics { row, length: *ratio, emits: optics.emits };
-                            factor.modulate(simd, gradient, &optics, light);
-                        }
-                        Self::Rows { shares, optics } => {
-                            let emits = optics[0].emits;
-                            let mixed = mixture(simd, shares, optics, value, gradient);
-                            let changed = step_light(simd, mixed, ratio.load(simd), emits);
-                            for c in 0..4 {
-                                let changed = changed[c].to_array();
-                                (0..LANES).filter(|i| lit >> i & 1 == 1).for_each(|i| light[c].0[i] = changed[i]);
-                            }
+                            let optics = StepOptics { value: *value, row, length: *ratio, emits: optics.emits };
+                            shade.modulate(simd, gradient, &optics, light);
                         }
                         Self::Exact(medium) => {
                             for i in (0..LANES).filter(|i| lit >> i & 1 == 1) {
@@ -123,35 +111,7 @@ impl Steepness<'_> {
                     }
                 }
             }
-            Self::Factor { .. } | Self::Rows { .. } | Self::Exact(_) => {}
+            Self::Samples { .. } | Self::Exact(_) => {}
         }
     }
-}
-
-/// Extinction of a mixture of rows, and its colour; or its emission, where tables hold that.
-#[inline(always)]
-fn mixture<S: Simd>(
-    simd: S,
-    shares: &[Shade<'_>],
-    optics: &[OpticsTable],
-    value: &Lanes,
-    gradient: &[Lanes; 3],
-) -> [f32x16<S>; 4] {
-    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-    let emits = optics[0].emits;
-    let mut sum = [zero; 4];
-    for (share, table) in shares.iter().zip(optics) {
-        let share = share.factors(simd, gradient).load(simd);
-        if share.simd_gt(zero).any_true() {
-            let row = table.rows().at(simd, value.load(simd));
-            let kappa = row[3] * share;
-            let weight = if emits { share } else { kappa };
-            sum = [sum[0] + row[0] * weight, sum[1] + row[1] * weight, sum[2] + row[2] * weight, sum[3] + kappa];
-        }
-    }
-    if emits {
-        return sum;
-    }
-    let per_kappa = one / pick(sum[3].simd_gt(zero), sum[3], one);
-    [sum[0] * per_kappa, sum[1] * per_kappa, sum[2] * per_kappa, sum[3]]
 }

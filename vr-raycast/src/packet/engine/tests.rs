@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use vr_core::{Camera, Control, ControlPoint, Light, OpacityRule, Placement, Shading, TransferFunction};
 
 use super::super::compared::{bits, plain, row_by_row, same};
-use super::super::random_scenes::{factors, grid, scenes, steps, sums};
+use super::super::random_scenes::{factors, grid, row_transfers, scenes, steps, sums};
 use super::*;
 use crate::render_tables::TablesByPrecision;
 
@@ -125,6 +125,41 @@ proptest! {
         let plain = plain(&caster, &scene, &view);
         let (values, _) = trace(&engine, &scene, &view, &row_by_row(&view), None);
         same(&values, &plain, TWO_SHADINGS)?;
+    }
+
+    /// By rows of the transfer function, which the gradient mixes.
+    #[test]
+    fn mixes_the_rows_that_the_plain_engine_mixes((scene, view) in scenes(0.9), transfer in row_transfers(0.9), step in steps(), analytic in any::<bool>(), shaded in any::<bool>(), compositing in sums()) {
+        let gradient = if analytic { GradientMethod::Analytic } else { GradientMethod::CentralDifferences };
+        let shading = if shaded { Shading { gradient, ..Shading::default() } } else { Shading { gradient, ..Shading::flat() } };
+        let scene = Scene { compositing, transfer: Arc::new(transfer), shading: Some(Arc::new(shading)), ..scene };
+        let caster = RayCaster { step, order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) };
+        let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
+        let plain = plain(&caster, &scene, &view);
+        let (values, _) = trace(&engine, &scene, &view, &row_by_row(&view), None);
+        // A gradient of the trilinear field itself jumps at the faces of cells, and so does the row.
+        let tolerance = if matches!(step, Step::Local { .. }) || analytic { TWO_WALKS } else { TWO_SHADINGS };
+        same(&values, &plain, tolerance)?;
+        same_at_every_level_and_alone(&engine, &scene, &view, &values)?;
+    }
+
+    /// From node to node of an octree, some of which are crossed at their mean.
+    #[test]
+    fn crosses_the_nodes_that_the_plain_engine_crosses((scene, view) in scenes(0.9), step in 0.1f64..1.0, exponent in -4.0f64..-1.0, by_variance in any::<bool>(), shaded in any::<bool>(), compositing in sums()) {
+        prop_assume!(compositing == Compositing::Over || !scene.transfer.has_emission());
+        let shading = shaded.then(|| Arc::new(Shading::default()));
+        let scene = Scene { compositing, shading, ..scene };
+        let error = 10f64.powf(exponent);
+        let step = if by_variance { Step::Variance { step, error } } else { Step::Homogeneous { step, error } };
+        let caster = RayCaster { step, order: CompositingOrder::WHOLE_RAY, ..RayCaster::default() };
+        let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
+        let plain = plain(&caster, &scene, &view);
+        let (values, counts) = trace(&engine, &scene, &view, &row_by_row(&view), None);
+        prop_assert!(counts.rays <= plain.stats.counts.rays);
+        // Where a ray grazes an edge of nodes, the engines may cross different ones: each keeps the bound, where no source is brighter than 1.
+        let bound = 2.0 * error as f32 * if by_variance { 4.0 } else { 1.0 } * if scene.transfer.has_emission() { 4.0 } else { 1.0 };
+        same(&values, &plain, bound + TWO_WALKS)?;
+        same_at_every_level_and_alone(&engine, &scene, &view, &values)?;
     }
 
     /// By rules that integrate over all values of a step, in steps of either kind.

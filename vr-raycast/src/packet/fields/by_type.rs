@@ -1,20 +1,7 @@
 //! Fields of voxels of any type, and the stages that they are read through.
 
 use fearless_simd::Simd;
-use vr_kernels::vector::{AxisWeights, Blocks, Cells, Field, Lanes, Stage, WideField};
-
-/// One of five things, by the type of the voxels in it.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum ByType<A, B, C, D, E> {
-    U8(A),
-    I8(B),
-    U16(C),
-    I16(D),
-    F32(E),
-}
-
-/// Cells of voxels of any type.
-pub(super) type AnyField<'a> = ByType<Field<'a, u8>, Field<'a, i8>, Field<'a, u16>, Field<'a, i16>, Field<'a, f32>>;
+use vr_kernels::vector::{AxisWeights, Blocks, ByType, Cells, Field, Lanes, Stage, WideField};
 
 /// Blocks of 4³ voxels of any type, under a filter of four taps an axis.
 pub(super) type AnyWideField<'a> =
@@ -39,17 +26,12 @@ pub(super) struct AnyStage {
 
 /// Type of voxels, by which fields are told apart.
 pub(super) trait OfType: Blocks {
-    fn field(field: Field<'_, Self>) -> AnyField<'_>;
     fn wide_field(field: WideField<'_, Self>) -> AnyWideField<'_>;
 }
 
 macro_rules! of_type {
     ($($voxel:ident $name:ident),*) => {$(
         impl OfType for $voxel {
-            fn field(field: Field<'_, Self>) -> AnyField<'_> {
-                ByType::$name(field)
-            }
-
             fn wide_field(field: WideField<'_, Self>) -> AnyWideField<'_> {
                 ByType::$name(field)
             }

@@ -3,7 +3,9 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 use vr_core::{ColorGrid, Filter};
-use vr_kernels::vector::{Cells, Field, Lanes, Stage};
+use vr_kernels::vector::{Field, Lanes, Stage};
+
+use super::cells_of;
 
 /// Colours of voxels, as packets read them.
 #[derive(Clone, Copy, Debug)]
@@ -22,10 +24,17 @@ impl<'a> PacketColors<'a> {
     ///
     /// Its own function: most packets have none.
     #[inline(never)]
-    pub(super) fn tint<S: Simd>(&self, simd: S, at: &Cells<S>, light: &mut [Lanes; 4], stage: &mut Stage<u16>) {
+    pub(super) fn tint<S: Simd>(
+        &self,
+        simd: S,
+        place: &[[Lanes; 3]; 2],
+        light: &mut [Lanes; 4],
+        stage: &mut Stage<u16>,
+    ) {
         simd.vectorize(
             #[inline(always)]
             || {
+                let at = &cells_of(simd, place);
                 for c in 0..3 {
                     let channel = &self.channels[c];
                     let stored = if self.is_nearest {

@@ -1,18 +1,19 @@
 //! Field of any voxels under any filter, with gradients of either kind and with colours.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16};
+use fearless_simd::{Simd, f32x16};
 use vr_core::filter::Lattice;
 use vr_core::{ColorGrid, Filter, GradientMethod, GridVolume};
 use vr_kernels::vector::{
-    AxisWeights, Cells, Field, LANES, Lanes, Shade, Stage, StepOptics, WideField, central_differences,
+    AnyField, AxisWeights, ByType, Cells, LANES, Lanes, Shade, Stage, StepOptics, WideField, central_differences,
 };
 
 use super::PacketField;
 use super::by_type::{
-    AnyField, AnyStage, AnyWideField, ByType, OfType, block_gradients, block_values, cell_gradients, cell_values,
-    nearest_values, with_type,
+    AnyStage, AnyWideField, OfType, block_gradients, block_values, cell_gradients, cell_values, nearest_values,
+    with_type,
 };
+use super::cells_of;
 use super::colors::PacketColors;
 use crate::packet::engine::with_voxels;
 
@@ -114,12 +115,7 @@ impl<'a> FilteredField<'a> {
                 with_voxels!(volume, lattice => Sampling::Block(OfType::wide_field(WideField::new(&lattice, filter)?)))
             }
         };
-        Some(Self {
-            voxels: with_voxels!(volume, lattice => OfType::field(Field::new(&lattice))),
-            sampling,
-            gradient,
-            colors: colors.map(PacketColors::new),
-        })
+        Some(Self { voxels: AnyField::of_volume(volume), sampling, gradient, colors: colors.map(PacketColors::new) })
     }
 
     /// Writes the values at places, from voxels that are staged on the way.
@@ -142,19 +138,6 @@ impl<'a> FilteredField<'a> {
                 block_values(simd, field, at, weights, typed, values);
             }),
         }
-    }
-}
-
-/// Returns cells and fractions that are kept as lanes.
-#[inline(always)]
-fn cells_of<S: Simd>(simd: S, [cell, fraction]: &[[Lanes; 3]; 2]) -> Cells<S> {
-    Cells {
-        cell: [
-            cell[0].load(simd).to_int::<i32x16<S>>(),
-            cell[1].load(simd).to_int::<i32x16<S>>(),
-            cell[2].load(simd).to_int::<i32x16<S>>(),
-        ],
-        fraction: [fraction[0].load(simd), fraction[1].load(simd), fraction[2].load(simd)],
     }
 }
 
@@ -223,21 +206,15 @@ impl PacketField for FilteredField<'_> {
         simd.vectorize(
             #[inline(always)]
             || {
-                let mut gradients = None;
-                if let Some(shade) = shade {
-                    let [gradient, turn] = self.gradients(simd, place, step, stage);
-                    if let Some(optics) = optics {
-                        shade.modulate(simd, &gradient, optics, light);
+                let gradients = shade.map(|_| self.gradients(simd, place, step, stage));
+                let mut tint = |light: &mut [Lanes; 4]| {
+                    if let Some(colors) = &self.colors {
+                        colors.tint(simd, place, light, &mut stage.colors);
                     }
-                    gradients = Some((shade, gradient, turn));
-                }
-                if let Some(colors) = &self.colors {
-                    colors.tint(simd, &cells_of(simd, place), light, &mut stage.colors);
-                }
-                if let Some((shade, gradient, turn)) = gradients
-                    && shade.shading.reflects
-                {
-                    shade.apply_to_turning(simd, &gradient, &turn, light);
+                };
+                match (shade, gradients) {
+                    (Some(shade), Some(gradients)) => shade.apply_by(simd, &gradients, optics, light, tint),
+                    _ => tint(light),
                 }
             },
         );

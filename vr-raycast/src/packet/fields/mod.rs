@@ -7,7 +7,8 @@ mod by_type;
 mod colors;
 mod filtered;
 
-use fearless_simd::{Simd, f32x16};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16};
 use vr_kernels::vector::{Cells, Field, Lanes, Pairs, Shade, Stage, StepOptics, central_differences};
 
 pub(crate) use filtered::{FilteredField, can_sample};
@@ -58,6 +59,19 @@ pub(crate) trait PacketField {
         light: &mut [Lanes; 4],
         stage: &mut Self::Stage,
     );
+}
+
+/// Returns cells and fractions that are kept as lanes.
+#[inline(always)]
+fn cells_of<S: Simd>(simd: S, [cell, fraction]: &[[Lanes; 3]; 2]) -> Cells<S> {
+    Cells {
+        cell: [
+            cell[0].load(simd).to_int::<i32x16<S>>(),
+            cell[1].load(simd).to_int::<i32x16<S>>(),
+            cell[2].load(simd).to_int::<i32x16<S>>(),
+        ],
+        fraction: [fraction[0].load(simd), fraction[1].load(simd), fraction[2].load(simd)],
+    }
 }
 
 impl<T: Pairs> PacketField for Field<'_, T> {

@@ -121,6 +121,7 @@ impl PatchEngine {
             lights: scene.lights.clone(),
             to_world: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             modulation: None,
+            rows: None,
             reflects: true,
         });
         Some(Self {

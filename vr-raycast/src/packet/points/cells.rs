@@ -14,48 +14,96 @@ pub(super) struct NearPoint {
     pub(super) amplitude: f32,
 }
 
-/// Lists of the points whose supports reach into each cell of a lattice, whose edges are about the mean radius.
+/// Lists of the points whose supports reach into the cells of lattices: of small supports into small cells, and of large ones into larger cells.
+///
+/// Without that, a set whose outermost supports hold whole regions of small cells would list those points in each of them.
 #[derive(Debug)]
 pub(super) struct PointCells {
-    /// Cells along x, y, z.
-    pub(super) cells: [usize; 3],
+    pub(super) levels: Vec<PointLevel>,
     /// Edges of a cell of the field's lattice in units of the spacing.
     pub(super) edges: [f32; 3],
     /// World length of the unit.
     pub(super) spacing: f64,
+}
+
+/// Lists of the points whose supports are about as large as the cells of a lattice.
+#[derive(Debug)]
+pub(super) struct PointLevel {
+    /// Cells of the field's lattice along the edge of one here: 2 to the power of this.
+    pub(super) shift: u32,
+    /// Cells along x, y, z.
+    pub(super) cells: [usize; 3],
     /// Begin of the list of each cell, and the end of the last.
     first: Vec<u32>,
     points: Vec<NearPoint>,
 }
 
-/// Cells of the field's lattice, whose edges are about half the mean radius, along the edge of one here: lists of smaller cells hold fewer points that
-/// do not reach a place, and each point is in more of them.
-pub(super) const EDGE: usize = 2;
-/// Largest numbers of cells, and of entries of their lists (320 MB).
+/// Shift of the smallest cells, twice as long as those of the field's lattice, whose edges are about half the mean radius: lists of smaller cells hold fewer
+/// points that do not reach a place, and each point is in more of them.
+const SMALLEST: u32 = 1;
+/// Radius of the largest supports in a level, in edges of its cells. Sets whose radii are alike have one level.
+const LARGEST_RADIUS: f64 = 2.0;
+/// Largest numbers of cells of a level, and of entries of all lists (320 MB).
 const MAX_CELLS: usize = 1 << 26;
 const MAX_ENTRIES: usize = 1 << 24;
 
 impl PointCells {
-    /// Lists the points of a set in the cells of the lattice over its box; `None` if that takes too much memory, or numbers that f32 does not hold.
+    /// Lists the points of a set in the cells of lattices over its box, the smallest cells of which are twice as long as those of the field's; `None` if that
+    /// takes too much memory, or numbers that f32 does not hold.
     pub(super) fn new(points: &PointSet, placement: &Placement, dims: [usize; 3]) -> Option<Self> {
-        let cells = dims.map(|n| (n - 1).div_ceil(EDGE));
+        let (spacing, edges) = (points.mean_spacing(), placement.spacing());
+        let (mut levels, mut entries) = (Vec::new(), 0);
+        // Points by their level: the first whose cells are large enough, or the one that is a single cell.
+        let longest = dims.into_iter().max().unwrap_or(1);
+        let last = SMALLEST.max(longest.next_power_of_two().trailing_zeros());
+        let level_of = |radius: f32| {
+            let fits = |shift: &u32| {
+                let edge = edges.min_element() * f64::from(1u32 << *shift);
+                f64::from(radius) <= LARGEST_RADIUS * edge
+            };
+            (SMALLEST..last).find(fits).unwrap_or(last)
+        };
+        let of_points: Vec<u32> = points.radii().iter().map(|&radius| level_of(radius)).collect();
+        for shift in SMALLEST..=last {
+            let own: Vec<usize> = (0..points.count()).filter(|&k| of_points[k] == shift).collect();
+            if own.is_empty() {
+                continue;
+            }
+            let level = PointLevel::new(points, &own, (placement, dims), shift, MAX_ENTRIES - entries)?;
+            entries += level.points.len();
+            levels.push(level);
+        }
+        Some(Self { levels, edges: (edges / spacing).as_vec3().to_array(), spacing })
+    }
+}
+
+impl PointLevel {
+    /// Lists some points of a set in cells of `1 << shift` cells of a lattice an edge; `None` if that takes more than so many entries, too many cells, or numbers
+    /// that f32 does not hold.
+    fn new(
+        points: &PointSet,
+        own: &[usize],
+        (placement, dims): (&Placement, [usize; 3]),
+        shift: u32,
+        max_entries: usize,
+    ) -> Option<Self> {
+        let cells = dims.map(|n| (n - 1).div_ceil(1 << shift));
         let count = cells.iter().try_fold(1usize, |count, &n| count.checked_mul(n)).filter(|&n| n <= MAX_CELLS)?;
-        let spacing = points.mean_spacing();
-        let edges = placement.spacing() / spacing;
-        let origin = placement.origin();
+        let (spacing, edge) = (points.mean_spacing(), placement.spacing() * f64::from(1u32 << shift));
+        let lattice = (placement.origin(), edge, cells);
         // Numbers of points in each cell first, then their places in one list.
         let mut first = vec![0u32; count + 1];
         let mut entries = 0usize;
-        for k in 0..points.count() {
-            if entries > MAX_ENTRIES {
+        for &k in own {
+            if entries > max_entries {
                 return None;
             }
-            each_cell(points, k, (origin, edges * spacing, cells), |cell, _| {
+            each_cell(points, k, lattice, |cell, _| {
                 first[cell + 1] += 1;
                 entries += 1;
             });
         }
-        if entries > MAX_ENTRIES {
+        if entries > max_entries {
             return None;
         }
         for i in 0..count {
@@ -65,18 +113,17 @@ impl PointCells {
         let mut near = vec![none; entries];
         let mut next = first.clone();
         let mut holds = true;
-        for k in 0..points.count() {
+        for &k in own {
             let radius = f64::from(points.radii()[k]) / spacing;
             let (per_square, amplitude) = ((1.0 / (radius * radius)) as f32, points.amplitude(k) as f32);
             holds &= per_square.is_normal() && amplitude.is_finite();
-            each_cell(points, k, (origin, edges * spacing, cells), |cell, corner| {
+            each_cell(points, k, lattice, |cell, corner| {
                 let offset = ((points.positions()[k] - corner) / spacing).as_vec3().to_array();
                 near[next[cell] as usize] = NearPoint { offset, per_square, amplitude };
                 next[cell] += 1;
             });
         }
-        let edges = edges.as_vec3().to_array();
-        holds.then_some(Self { cells, edges, spacing, first, points: near })
+        holds.then_some(Self { shift, cells, first, points: near })
     }
 
     /// Returns the points that reach into a cell.
@@ -86,16 +133,15 @@ impl PointCells {
     }
 }
 
-/// Calls `visit` with each cell that the support of a point reaches into, and the cell's lower corner.
+/// Calls `visit` with each cell, of a lattice with an origin, edges and numbers of cells, that the support of a point reaches into, and the cell's lower corner.
 fn each_cell(
     points: &PointSet,
     k: usize,
-    (origin, edges, cells): (DVec3, DVec3, [usize; 3]),
+    (origin, edge, cells): (DVec3, DVec3, [usize; 3]),
     mut visit: impl FnMut(usize, DVec3),
 ) {
     // A little more, for places that f32 puts into the next cell.
     const MARGIN: f64 = 1e-4;
-    let edge = edges * EDGE as f64;
     let radius = f64::from(points.radii()[k]) + MARGIN * edge.max_element();
     let at = points.positions()[k] - origin;
     let (low, high) = ((at - radius) / edge, (at + radius) / edge);

@@ -10,7 +10,7 @@ use vr_core::{
     Scene, View, Volume,
 };
 use vr_kernels::tables::{BakedTransfer, rounding_over, table_range};
-use vr_kernels::vector::{self, Modulation, OpticsTable, PacketShading, Rows};
+use vr_kernels::vector::{self, OpticsTable, PacketShading, Rows};
 
 use super::cells::PointCells;
 use super::field::PointField;
@@ -19,6 +19,7 @@ use crate::packet::engine::MAX_STEPS;
 use crate::packet::level;
 use crate::packet::march::{LatticeSteps, MarchSteps, Medium};
 use crate::packet::setup::FrameSetup;
+use crate::packet::shading::{row_tables, world_shading};
 use crate::packet::trace::{Trace, TraceFrame};
 use crate::source::Source;
 use crate::table_range::MAX_ROUNDING;
@@ -65,7 +66,6 @@ impl PointEngine {
             _ => return None,
         };
         let is_drawn = matches!(caster.step, Step::Uniform(_))
-            && !scene.transfer.has_rows()
             && caster.transfer_lookup != TransferLookup::Exact
             && caster.precision == Precision::F32;
         if !is_drawn {
@@ -93,14 +93,7 @@ impl PointEngine {
         }
         let cells = points.derived().get((), || PointCells::new(points, &placement, dims).map(Arc::new));
         let cells = cells.as_ref().clone()?;
-        let reflects = scene.reflection().is_some();
-        let shading = scene.gradient_shading().map(|shading| PacketShading {
-            modulation: Modulation::new(&shading, 1.0),
-            shading,
-            lights: scene.lights.clone(),
-            to_world: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-            reflects,
-        });
+        let shading = world_shading(scene, row_tables(scene, &table, calibration, step)?);
         Some(Self {
             points: Arc::clone(points),
             cells,
@@ -114,7 +107,7 @@ impl PointEngine {
             negligible,
             cut,
             max_radiance: scene.max_radiance(),
-            shading: shading.filter(|shading| shading.reflects || shading.modulation.is_some()),
+            shading,
         })
     }
 }

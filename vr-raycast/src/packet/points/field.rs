@@ -5,7 +5,7 @@ use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_core::PointKernel;
 use vr_kernels::vector::{Cells, LANES, Lanes, Shade, StepOptics, opacity_of_depth, pick, splat};
 
-use super::cells::{EDGE, NearPoint, PointCells};
+use super::cells::{NearPoint, PointCells};
 use crate::packet::fields::PacketField;
 
 /// Field of scattered points.
@@ -42,28 +42,30 @@ impl PointField<'_> {
         at: &Cells<S>,
         mut add: impl FnMut(&NearPoint, [f32x16<S>; 3], f32x16<S>, mask32x16<S>),
     ) {
-        // Offsets from the lower corners of the lists' cells, and the numbers of these.
-        let (mut offset, mut index) = ([splat(simd, 0.0); 3], at.cell[2]);
-        for a in 0..3 {
-            let rest: f32x16<S> = (at.cell[a] & (EDGE as i32 - 1)).to_float();
-            offset[a] = (rest + at.fraction[a]) * self.cells.edges[a];
-        }
-        let shift = EDGE.trailing_zeros();
-        let [nx, ny, _] = self.cells.cells.map(|n| n as i32);
-        index = ((index >> shift) * ny + (at.cell[1] >> shift)) * nx + (at.cell[0] >> shift);
-        let cells = index.to_array();
-        let mut left = u32::MAX >> (32 - LANES);
-        while left != 0 {
-            // All lanes in the cell of the first that is left.
-            let cell = cells[left.trailing_zeros() as usize];
-            let here = index.simd_eq(fearless_simd::i32x16::splat(simd, cell));
-            left &= !(here.to_bitmask() as u32);
-            for point in self.cells.of(cell as u32 as usize) {
-                let from = [offset[0] - point.offset[0], offset[1] - point.offset[1], offset[2] - point.offset[2]];
-                let square = (from[0] * from[0] + from[1] * from[1] + from[2] * from[2]) * point.per_square;
-                let inside = here & square.simd_lt(splat(simd, 1.0));
-                if inside.any_true() {
-                    add(point, from, square, inside);
+        for level in &self.cells.levels {
+            // Offsets from the lower corners of the lists' cells, and the numbers of these.
+            let (mut offset, mut index) = ([splat(simd, 0.0); 3], at.cell[2]);
+            let shift = level.shift;
+            for a in 0..3 {
+                let rest: f32x16<S> = (at.cell[a] & ((1 << shift) - 1)).to_float();
+                offset[a] = (rest + at.fraction[a]) * self.cells.edges[a];
+            }
+            let [nx, ny, _] = level.cells.map(|n| n as i32);
+            index = ((index >> shift) * ny + (at.cell[1] >> shift)) * nx + (at.cell[0] >> shift);
+            let cells = index.to_array();
+            let mut left = u32::MAX >> (32 - LANES);
+            while left != 0 {
+                // All lanes in the cell of the first that is left.
+                let cell = cells[left.trailing_zeros() as usize];
+                let here = index.simd_eq(fearless_simd::i32x16::splat(simd, cell));
+                left &= !(here.to_bitmask() as u32);
+                for point in level.of(cell as u32 as usize) {
+                    let from = [offset[0] - point.offset[0], offset[1] - point.offset[1], offset[2] - point.offset[2]];
+                    let square = (from[0] * from[0] + from[1] * from[1] + from[2] * from[2]) * point.per_square;
+                    let inside = here & square.simd_lt(splat(simd, 1.0));
+                    if inside.any_true() {
+                        add(point, from, square, inside);
+                    }
                 }
             }
         }
@@ -197,12 +199,7 @@ impl PacketField for PointField<'_> {
         stage: &mut PointStage,
     ) {
         let Some(shade) = shade else { return };
-        let [gradient, turn] = self.gradients(simd, at, step, stage);
-        if let Some(optics) = optics {
-            shade.modulate(simd, &gradient, optics, light);
-        }
-        if shade.shading.reflects {
-            shade.apply_to_turning(simd, &gradient, &turn, light);
-        }
+        let gradients = self.gradients(simd, at, step, stage);
+        shade.apply_by(simd, &gradients, optics, light, |_| ());
     }
 }

@@ -1,8 +1,8 @@
 //! Scattered points in packets: each point near sixteen neighbouring places is looked at once for all of them.
 //!
-//! The plain engine finds the supports around each place in a tree, and adds them up in f64. Here the supports that reach into each cell of a coarse
-//! lattice are listed ([`cells`]); the places of a packet lie in few cells, and each point of such a list is evaluated for sixteen places in f32 ([`field`]).
-//! A place takes the points of its own cell alone, in the list's order: no bit of it depends on which others are in the packet.
+//! The plain engine finds the supports around each place in a tree, and adds them up in f64. Here the supports that reach into each cell of coarse
+//! lattices, one for each size of supports, are listed ([`cells`]); the places of a packet lie in few cells, and each point of such a list is evaluated for sixteen places in f32 ([`field`]).
+//! A place takes the points of its own cells alone, in the lists' order: no bit of it depends on which others are in the packet.
 
 mod cells;
 mod engine;

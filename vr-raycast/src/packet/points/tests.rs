@@ -9,7 +9,7 @@ use vr_core::{Camera, Control, PointKernel, PointSet, Scene, Shading, View};
 use crate::caster::{CompositingOrder, RayCaster, Rule, Step, Vector};
 use crate::engine::Engine;
 use crate::packet::compared::{bits, plain, row_by_row, same};
-use crate::packet::random_scenes::{factors, sums, transfers};
+use crate::packet::random_scenes::{factors, row_transfers, sums, transfers};
 use crate::prepared::PreparedCaster;
 use crate::tracer::RaySample;
 
@@ -58,9 +58,11 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn draws_what_the_plain_engine_draws(points in sets(), transfer in transfers(0.9), angles in (-180.0f64..180.0, -80.0f64..80.0, prop::option::of(20.0f64..90.0)), size in (1u32..13, 1u32..10), step in 0.2f64..2.5, left in any::<bool>(), shade in any::<bool>(), gradient_opacity in factors(), compositing in sums()) {
+    fn draws_what_the_plain_engine_draws(points in sets(), transfer in transfers(0.9), angles in (-180.0f64..180.0, -80.0f64..80.0, prop::option::of(20.0f64..90.0)), size in (1u32..13, 1u32..10), step in 0.2f64..2.5, left in any::<bool>(), shade in any::<bool>(), gradient_opacity in factors(), rows in prop::option::weighted(0.3, row_transfers(0.9)), compositing in sums()) {
+        let gradient_opacity = if rows.is_some() { Vec::new() } else { gradient_opacity };
         let shading = shade.then(|| Arc::new(Shading { gradient_opacity, ..Shading::default() }));
-        let scene = Scene { compositing, shading, ..Scene::new(points.into(), transfer) };
+        let shade = shade || rows.is_some();
+        let scene = Scene { compositing, shading, ..Scene::new(points.into(), rows.unwrap_or(transfer)) };
         let view = View::new(Camera::framing(scene.volume.bounds(), angles.0, angles.1, angles.2), [size.0, size.1]);
         let rule = if left { Rule::Left } else { Rule::Midpoint };
         let caster = RayCaster { step: Step::Uniform(step), rule, order: CompositingOrder::WHOLE_RAY, ..RayCaster::default() };
