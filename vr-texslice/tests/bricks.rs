@@ -142,8 +142,7 @@ fn refused(renderer: &TextureSlicer, scene: &Scene, view: &View) -> Option<[u64;
 /// Checks that a renderer with bricks of eight cells needs so many bytes.
 fn needs(renderer: TextureSlicer, scene: &Scene, bytes: u64) {
     let view = view(scene, 20.0, 10.0, None, 8);
-    let with =
-        |bytes: u64| TextureSlicer { brick: Some(8), budget: bytes as f64 / 1_048_576.0, ..renderer.clone() };
+    let with = |bytes: u64| TextureSlicer { brick: Some(8), budget: bytes as f64 / 1_048_576.0, ..renderer.clone() };
     assert_eq!(refused(&with(bytes - 1), scene, &view), Some([bytes, bytes - 1]), "{renderer:?}");
     assert_eq!(refused(&with(bytes), scene, &view), None, "{renderer:?}");
 }

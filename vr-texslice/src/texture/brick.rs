@@ -6,9 +6,9 @@ use vr_core::GradientMethod;
 use vr_core::filter::Lattice;
 use vr_kernels::vector::{Cells, Field, Lanes, Stage, cells, inside, pick, splat};
 
-use super::{Texture, on_slices};
 use super::blocks::differences;
 use super::interpolant::slopes;
+use super::{Texture, on_slices};
 use crate::compression::gradient_of_texels;
 
 /// Cells of a brick in its volume, and where its texels begin; along the axes of the texels.
@@ -30,12 +30,7 @@ const SLACK: f32 = 1e-3;
 impl BrickPart {
     /// The part of a volume of these dimensions between the first of the cells and the one behind the last, with texels from an index on. `per_layer`: slices to a
     /// layer along the last axis, if samples are moved to the nearest.
-    pub(crate) fn new(
-        dims: [usize; 3],
-        cells: &[[usize; 2]; 3],
-        first: [usize; 3],
-        per_layer: Option<u32>,
-    ) -> Self {
+    pub(crate) fn new(dims: [usize; 3], cells: &[[usize; 2]; 3], first: [usize; 3], per_layer: Option<u32>) -> Self {
         Self {
             per_layer: per_layer.map(|n| n as f32),
             dims,

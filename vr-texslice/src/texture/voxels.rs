@@ -7,8 +7,8 @@ use fearless_simd::{Simd, f32x16, i32x16};
 use vr_core::filter::Lattice;
 use vr_kernels::vector::{Cells, Field, Lanes, Pairs, Stage, cells, central_differences, inside, pick, splat};
 
-use super::{Texture, on_slices};
 use super::interpolant::slopes;
+use super::{Texture, on_slices};
 
 /// Values, linear along each axis.
 pub(crate) struct Voxels<'a, T> {
