@@ -60,7 +60,7 @@
 //!
 //! # Shading and gradients
 //! Normals are encoded, half a degree off on average, and what they reflect is interpolated. Parallel rays share a table of that. In perspective
-//! lights at the eye and highlights change from ray to ray: voxels reflect what they do to the eye as it is seen from where their column crosses the sample's row.
+//! lights at the eye and highlights change from ray to ray: each texel's own ray decides what the normals around its samples reflect.
 //!
 //! If opacity follows the gradient, by a factor or by the rows of a transfer function, each voxel keeps its gradient as three numbers. Values take
 //! their opacity and their reflection from gradients that are interpolated to the sample; voxels that are classified first, from their own. The

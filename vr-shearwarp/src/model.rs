@@ -141,15 +141,6 @@ impl SlicedModel {
             }
             vr_core::with_grid!(volume.values(), g => one(g.samples(), at))
         };
-        // Directions in which normals of the left columns and of the right ones are seen, where they are not interpolated: in perspective, from the
-        // eye to where a column crosses the sample's row.
-        let from_eye = |right: usize| {
-            let mut at = DVec3::ZERO;
-            (at[axes[0]], at[axes[1]], at[axes[2]]) = ((cell[0].0 + right) as f64, uv.y, slice.layer as f64 + between);
-            self.view.world_vector(at - self.view.eye).normalize_or_zero()
-        };
-        let steep = samples_filter_gradients(&self.scene) || self.scene.has_gradient_opacity();
-        let of_columns = if self.view.is_perspective() && !steep { [0, 1].map(from_eye) } else { [along; 2] };
         let (calibration, transfer) = (volume.calibration(), &self.scene.transfer);
         if corners.iter().any(|&(index, _)| stored(index).is_nan()) || length <= 0.0 {
             return [0.0; 4];
@@ -162,10 +153,10 @@ impl SlicedModel {
         match self.renderer.classification {
             Classification::Pre => {
                 let mut sum = [0.0; 4];
-                for (i, &(index, weight)) in corners.iter().enumerate() {
+                for &(index, weight) in &corners {
                     let gradient = self.gradient(index);
                     let sample = self.step(calibration.value(stored(index)), gradient.length(), interpolated);
-                    let sample = lit(sample, self.reflection(gradient, of_columns[i % 2]));
+                    let sample = lit(sample, self.reflection(gradient, along));
                     (0..4).for_each(|c| sum[c] += weight * sample[c]);
                 }
                 step_of_thickness(sum, length / interpolated)
@@ -173,7 +164,7 @@ impl SlicedModel {
             Classification::Post => {
                 let value: f64 = corners.iter().map(|&(index, weight)| weight * stored(index)).sum();
                 // Where samples look at gradients, those are interpolated; else what normals reflect.
-                if steep {
+                if samples_filter_gradients(&self.scene) || self.scene.has_gradient_opacity() {
                     let gradient = if samples_filter_gradients(&self.scene) {
                         let mut at = [0.0; 3];
                         (at[axes[0]], at[axes[1]], at[axes[2]]) = (uv.x, uv.y, slice.layer as f64 + between);
@@ -185,8 +176,8 @@ impl SlicedModel {
                     return lit(sample, self.reflection(gradient, along));
                 }
                 let (mut factor, mut added) = ([0.0; 3], [0.0; 3]);
-                for (i, &(index, weight)) in corners.iter().enumerate() {
-                    let (f, a) = self.reflection(self.gradient(index), of_columns[i % 2]);
+                for &(index, weight) in &corners {
+                    let (f, a) = self.reflection(self.gradient(index), along);
                     (0..3).for_each(|c| (factor[c], added[c]) = (factor[c] + weight * f[c], added[c] + weight * a[c]));
                 }
                 lit(transfer.step(calibration.value(value), length), (factor, added))

@@ -1,6 +1,5 @@
 //! The plain way: every texel by itself, all slices, all voxels, no runs, no links, no vectors. What compositing is tested against.
 
-use glam::DVec3;
 use proptest::prelude::*;
 use vr_core::{
     Calibration, Camera, Classification, Compositing, Control, ControlPoint, LatticeVisitor, Light, OpacityRule,
@@ -97,7 +96,7 @@ impl Case {
         let mut scene = Scene::new(volume, transfer);
         if self.shaded {
             scene.shading = Some(Shading::default().into());
-            let side = Light { direction: Some(DVec3::new(0.3, 2.0, -1.0)), color: [0.2, 0.5, 0.9] };
+            let side = Light { direction: Some(glam::DVec3::new(0.3, 2.0, -1.0)), color: [0.2, 0.5, 0.9] };
             scene.lights.push(side);
         }
         if let Some(level) = self.level {
@@ -111,15 +110,15 @@ impl Case {
         let middle = 0.5 * (low + high);
         let size = (high - low).length();
         // In perspective sometimes from inside.
-        let eye = middle + DVec3::from(self.eye) * size * 0.8;
+        let eye = middle + glam::DVec3::from(self.eye) * size * 0.8;
         let projection = match self.fov {
             Some(fov) => Projection::Perspective { fov },
             None => Projection::Orthographic { height: size },
         };
-        let up = DVec3::new(0.17, 0.9, -0.31);
+        let up = glam::DVec3::new(0.17, 0.9, -0.31);
         let mut view = View::new(Camera { eye, target: middle, up, projection }, [24, 20]);
         view.clip.planes.extend(self.cut.map(|normal| {
-            let normal = DVec3::from(normal) + 0.01;
+            let normal = glam::DVec3::from(normal) + 0.01;
             Plane { normal, offset: normal.dot(middle) + 0.1 }
         }));
         view
@@ -134,7 +133,7 @@ fn texel<P: Code>(
     slices: &Slices,
     [x, y]: [usize; 2],
     (optics, lengths): (&Optics, &Lengths<P>),
-    reflection: &dyn Fn(u16, DVec3) -> Reflection,
+    reflection: &dyn Fn(u16) -> Reflection,
 ) -> [f64; 4] {
     let axes = slices.axes();
     let mut sum = [0.0f64; 4];
@@ -167,11 +166,7 @@ fn texel<P: Code>(
             value += weight * f64::from(code);
             let row = P::row(table, P::of(code).place(optics.codes_begin())).map(f64::from);
             let reflection = if case.shaded {
-                // Where the column crosses the row of texels.
-                let mut seen = DVec3::ZERO;
-                (seen[axes[0]], seen[axes[1]]) = (index[axes[0]] as f64, at[1]);
-                seen[axes[2]] = slice.layer as f64 + f64::from(slice.fraction);
-                reflection(normal(scene, index), seen)
+                reflection(normal(scene, index))
             } else {
                 Reflection { factor: [1.0; 4], added: [0.0; 4] }
             };
@@ -275,12 +270,14 @@ fn compare<P: Code>(case: &Case) -> Differences {
         let [width, height] = pass.factorization.size;
         for y in 0..height {
             for x in 0..width {
+                let f = &pass.factorization;
+                let along = shading.along::<f64>(
+                    &scene.lights,
+                    index_view.world_vector(f.sign * f.step(x as f64, y as f64)).normalize(),
+                );
                 // In perspective, normals reflect other light along each ray.
-                let reflection = |code: u16, seen: DVec3| match decode(code) {
-                    Some(normal) if case.fov.is_some() => {
-                        let from_eye = index_view.world_vector(seen - index_view.eye).normalize_or_zero();
-                        Reflection::new(shading.along::<f64>(&scene.lights, from_eye).reflect(normal.to_array()))
-                    }
+                let reflection = |code: u16| match decode(code) {
+                    Some(normal) if case.fov.is_some() => Reflection::new(along.reflect(normal.to_array())),
                     _ => reflections[usize::from(code)],
                 };
                 let plain = texel(case, &scene, &codes, &slices, [x, y], (&optics, &lengths), &reflection);
@@ -326,8 +323,8 @@ fn empty_and_full_volumes_of_any_size() {
                 let (low, high) = scene.volume.bounds();
                 let middle = 0.5 * (low + high);
                 let projection = Projection::Orthographic { height: 4.0 };
-                let eye = middle + DVec3::new(3.0, 5.0, 40.0);
-                let view = View::new(Camera { eye, target: middle, up: DVec3::Y, projection }, [9, 9]);
+                let eye = middle + glam::DVec3::new(3.0, 5.0, 40.0);
+                let view = View::new(Camera { eye, target: middle, up: glam::DVec3::Y, projection }, [9, 9]);
                 for filter in [WarpFilter::Bilinear, WarpFilter::Cubic] {
                     let renderer = ShearWarp { slice_distance, warp: filter, ..ShearWarp::default() };
                     let control = Control::default();

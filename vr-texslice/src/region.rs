@@ -24,7 +24,7 @@ impl Region {
     }
 
     /// The same with texels from another one on along the last axis.
-    pub(crate) fn from_layer(&self, first: usize) -> Self {
+    pub(crate) fn starting_at_layer(&self, first: usize) -> Self {
         let mut region = *self;
         (region.first[2], region.dims[2]) = (first, self.first[2] + self.dims[2] - first);
         region

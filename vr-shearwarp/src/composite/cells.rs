@@ -72,14 +72,25 @@ impl<S: Simd> Places<S> {
     /// Numbers at sixteen columns from the first one on, interpolated to the texels; for those that lie between these columns.
     #[inline(always)]
     pub(crate) fn between<const UNIT: bool>(&self, simd: S, columns: f32x16<S>) -> f32x16<S> {
+        let [left, right] = self.beside::<UNIT>(simd, columns);
+        left + (right - left) * self.weight
+    }
+
+    /// Weights of what is at the left of texels (0), or at the right.
+    #[inline(always)]
+    pub(crate) fn weight_beside(&self, simd: S, right: usize) -> f32x16<S> {
+        if right == 0 { splat(simd, 1.0) - self.weight } else { self.weight }
+    }
+
+    /// Numbers at sixteen columns from the first one on, as they are at the left and at the right of texels.
+    #[inline(always)]
+    pub(crate) fn beside<const UNIT: bool>(&self, simd: S, columns: f32x16<S>) -> [f32x16<S>; 2] {
         if UNIT {
-            let right = columns.slide::<1>(splat(simd, 0.0));
-            return columns + (right - columns) * self.weight;
+            return [columns, columns.slide::<1>(splat(simd, 0.0))];
         }
         let bytes = i32x16::load_array_ref(simd, &self.cell) * 0x0404_0404 + 0x0302_0100;
         let left: f32x16<S> = columns.swizzle_dyn(bytes.bitcast::<u8x64<S>>());
-        let right: f32x16<S> = columns.swizzle_dyn((bytes + 0x0404_0404).bitcast::<u8x64<S>>());
-        left + (right - left) * self.weight
+        [left, columns.swizzle_dyn((bytes + 0x0404_0404).bitcast::<u8x64<S>>())]
     }
 }
 

@@ -61,14 +61,14 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Kernel for Over<'_,
         let table = &self.lengths.table;
         let places = columns.places::<S, UNIT>(simd, edges.last);
         let mut samples = if PRE_CLASSIFIED && SHADING == BY_RAYS {
-            self.of_voxels_by_rays::<S, N, UNIT>(simd, table, edges, (columns, &places), &at)
+            self.of_voxels_by_rays::<S, N, UNIT>(simd, table, edges, &places, &at)
         } else if PRE_CLASSIFIED {
             self.of_voxels::<S, N, UNIT>(simd, table, edges, &places, at.n)
         } else {
             self.of_values::<S, N, UNIT>(simd, table, edges, &places, at.n)
         };
         if SHADING == BY_RAYS && !PRE_CLASSIFIED {
-            samples = self.lit_by_rays::<S, N, UNIT>(simd, edges, (columns, &places), &at, samples);
+            samples = self.lit_by_rays::<S, N, UNIT>(simd, edges, &places, &at, samples);
         }
         let shares = shares.map(|shares| f32x16::load_array_ref(simd, shares).max(splat(simd, 0.0)));
         if let Some(ratios) = &self.lengths.ratios {

@@ -1,8 +1,7 @@
 //! Shading by rays of many directions: in perspective, what a normal reflects differs from ray to ray, and no table of normals serves.
 //!
-//! Columns of voxels are lit as they are seen where they cross the row of texels: lights and half vectors are made for sixteen columns at a time, every
-//! normal along the edges is asked once what it reflects to them, and that is interpolated to the texels, as what a table of normals says is. To ask it for each texel's
-//! own ray took twice as many questions, one for either side of a cell; the directions of two neighbouring columns differ by a voxel as seen from the eye.
+//! Each texel's own ray decides: lights and half vectors are made for sixteen texels at a time, and every normal around a sample is asked what it
+//! reflects to them. So nothing is interpolated that a table of normals would not interpolate, too. Voxels and normals are gathered once for sixteen columns, as they lie.
 
 use std::sync::LazyLock;
 
@@ -12,7 +11,7 @@ use glam::DVec3;
 use vr_core::{Light, Shading};
 use vr_kernels::vector::{LANES, pick, power_of, splat, transpose};
 
-use super::cells::{Columns, Edges, Places, STEPS_F32};
+use super::cells::{Edges, Places, STEPS_F32};
 use super::kernel::Chunk;
 use super::over::Over;
 use crate::codes::Code;
@@ -30,7 +29,7 @@ static NORMALS: LazyLock<Box<[[f32; 4]; NORMALS_LEN]>> = LazyLock::new(|| {
 /// Length of a table of normals: a code that cannot be beyond it is not tested.
 const NORMALS_LEN: usize = CODES.next_power_of_two();
 
-/// Shading and lights, and the directions to the eye.
+/// Shading and lights, and the directions of the texels' rays.
 pub(crate) struct RayLights {
     normals: &'static [[f32; 4]; NORMALS_LEN],
     ambient: f32,
@@ -48,7 +47,7 @@ struct DirectedLight {
     color: [f32; 3],
 }
 
-/// A vector each for sixteen columns.
+/// A vector each for sixteen texels.
 type Vectors<S> = [f32x16<S>; 3];
 
 impl RayLights {
@@ -70,16 +69,13 @@ impl RayLights {
         }
     }
 
-    /// Unit vectors to the eye from sixteen columns of voxels, where they cross the row of a chunk's texels.
+    /// Unit vectors to the eye of the sixteen texels from (x, y) on.
     #[inline(always)]
-    fn to_eye<S: Simd>(&self, simd: S, columns: Columns, at: &Chunk) -> Vectors<S> {
+    fn to_eye<S: Simd>(&self, simd: S, x: usize, y: usize) -> Vectors<S> {
         let [origin, right, down] = self.to_eye;
-        // All points of a texel's ray lie in one direction: columns have places among the texels, too.
-        let to_next = f64::from(columns.scale).recip();
-        let x = at.x as f64 - f64::from(columns.begin) * to_next;
-        let first = (origin + x * right + at.y as f64 * down).as_vec3();
-        let right = (to_next * right).as_vec3();
+        let first = origin + x as f64 * right + y as f64 * down;
         let steps = f32x16::load_array_ref(simd, &STEPS_F32);
+        let (first, right) = (first.as_vec3(), right.as_vec3());
         unit(simd, [steps * right.x + first.x, steps * right.y + first.y, steps * right.z + first.z])
     }
 
@@ -93,7 +89,7 @@ impl RayLights {
         transpose(rows)
     }
 
-    /// The factors on the three colours, and the light added to what is opaque, at sixteen columns along each of some edges.
+    /// The factors on the three colours, and the light added to what is opaque, of sixteen normals along each of some edges.
     #[inline(always)]
     fn reflections<S: Simd, const N: usize>(
         &self,
@@ -204,88 +200,103 @@ fn any<S: Simd>(simd: S, [r, g, b, alpha]: [f32x16<S>; 4]) -> bool {
 }
 
 impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLASSIFIED, SHADING> {
-    /// Reflections at sixteen columns along each edge.
+    /// Normals at the left and at the right of sixteen texels, along each edge.
     #[inline(always)]
-    fn reflections_by_rays<S: Simd, const N: usize>(
+    fn normals_beside<S: Simd, const N: usize, const UNIT: bool>(
         &self,
         simd: S,
         edges: &Edges<N>,
-        columns: Columns,
-        at: &Chunk,
-    ) -> [[Vectors<S>; 2]; N] {
+        places: &Places<S>,
+    ) -> [[[f32x16<S>; 4]; N]; 2] {
         let rays = self.rays.expect("made where rays are shaded one by one");
-        let mut normals = [[splat(simd, 0.0); 4]; N];
+        let mut beside = [[[splat(simd, 0.0); 4]; N]; 2];
         for e in 0..N {
-            let codes = self.normals[edges.at[e] + columns.first..].first_chunk().expect("room behind the last");
-            normals[e] = rays.normals(simd, codes);
+            let codes = self.normals[edges.at[e] + places.first..].first_chunk().expect("room behind the last");
+            let normals = rays.normals(simd, codes);
+            for c in 0..4 {
+                [beside[0][e][c], beside[1][e][c]] = places.beside::<UNIT>(simd, normals[c]);
+            }
         }
-        rays.reflections(simd, &normals, &rays.to_eye(simd, columns, at))
+        beside
     }
 
-    /// Samples shaded by what reflects at the voxels around them, interpolated.
+    /// Samples shaded by what reflects at the voxels around them to each texel's ray, interpolated.
     #[inline(always)]
     pub(super) fn lit_by_rays<S: Simd, const N: usize, const UNIT: bool>(
         &self,
         simd: S,
         edges: &Edges<N>,
-        (columns, places): (Columns, &Places<S>),
+        places: &Places<S>,
         at: &Chunk,
         samples: [f32x16<S>; 4],
     ) -> [f32x16<S>; 4] {
         if !any(simd, samples) {
             return samples;
         }
-        let reflections = self.reflections_by_rays(simd, edges, columns, at);
+        let rays = self.rays.expect("made where rays are shaded one by one");
+        let to_eye = rays.to_eye(simd, at.x, at.y);
+        let normals = self.normals_beside::<S, N, UNIT>(simd, edges, places);
         let mut mean = [[splat(simd, 0.0); 3]; 2];
-        for i in 0..2 {
-            for c in 0..3 {
-                for e in 0..N {
-                    mean[i][c] += reflections[e][i][c] * edges.weights[e];
+        for right in 0..2 {
+            let reflections = rays.reflections(simd, &normals[right], &to_eye);
+            for e in 0..N {
+                let weight = places.weight_beside(simd, right) * edges.weights[e];
+                for i in 0..2 {
+                    for c in 0..3 {
+                        mean[i][c] += reflections[e][i][c] * weight;
+                    }
                 }
-                mean[i][c] = places.between::<UNIT>(simd, mean[i][c]);
             }
         }
         lit(samples, mean)
     }
 
-    /// Classified voxels, shaded and interpolated.
+    /// Classified voxels, each shaded for the texel's ray, and interpolated.
     #[inline(always)]
     pub(super) fn of_voxels_by_rays<S: Simd, const N: usize, const UNIT: bool>(
         &self,
         simd: S,
         table: &P::Table,
         edges: &Edges<N>,
-        (columns, places): (Columns, &Places<S>),
+        places: &Places<S>,
         at: &Chunk,
     ) -> [f32x16<S>; 4] {
         let nothing = splat(simd, 0.0);
-        let mut samples = [[nothing; 4]; N];
+        let mut samples = [[[nothing; 4]; N]; 2];
         let mut all = nothing;
         for e in 0..N {
             let voxels: &[P; LANES] =
-                self.voxels[edges.at[e] + columns.first..].first_chunk().expect("room behind the last");
+                self.voxels[edges.at[e] + places.first..].first_chunk().expect("room behind the last");
             let mut rows = [f32x4::splat(simd, 0.0); LANES];
             for i in 0..LANES {
                 rows[i] = f32x4::load_array_ref(simd, self.row(table, voxels[i]));
             }
-            samples[e] = transpose(rows);
-            let [r, g, b, alpha] = samples[e];
-            all += r + g + b + alpha;
+            let columns = transpose(rows);
+            for c in 0..4 {
+                all += columns[c];
+                [samples[0][e][c], samples[1][e][c]] = places.beside::<UNIT>(simd, columns[c]);
+            }
         }
         let mut sum = [nothing; 4];
         if !all.simd_gt(nothing).any_true() {
             return sum;
         }
-        let reflections = self.reflections_by_rays(simd, edges, columns, at);
-        for e in 0..N {
-            let shaded = lit(samples[e], reflections[e]);
-            for c in 0..4 {
-                sum[c] += shaded[c] * edges.weights[e];
+        let rays = self.rays.expect("made where rays are shaded one by one");
+        let to_eye = rays.to_eye(simd, at.x, at.y);
+        let normals = self.normals_beside::<S, N, UNIT>(simd, edges, places);
+        for right in 0..2 {
+            let reflections = rays.reflections(simd, &normals[right], &to_eye);
+            for e in 0..N {
+                let weight = places.weight_beside(simd, right) * edges.weights[e];
+                let shaded = lit(samples[right][e], reflections[e]);
+                for c in 0..4 {
+                    sum[c] += shaded[c] * weight;
+                }
             }
         }
         let counts = f32x16::load_array_ref(simd, &STEPS_F32).simd_lt(splat(simd, at.n as f32));
         for c in 0..4 {
-            sum[c] = pick(counts, places.between::<UNIT>(simd, sum[c]), nothing);
+            sum[c] = pick(counts, sum[c], nothing);
         }
         sum
     }

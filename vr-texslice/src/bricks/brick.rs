@@ -71,7 +71,7 @@ impl BrickSource<'_> {
     /// The texels of a brick, along their own axes.
     pub(crate) fn region(&self, cells: &Cells) -> Region {
         let around = Region::around(cells, self.apron(), self.key.layout.turned(self.volume.dims()));
-        around.from_layer(cells[2][0].saturating_sub(self.layers_before()))
+        around.starting_at_layer(cells[2][0].saturating_sub(self.layers_before()))
     }
 
     /// True if bricks hold a second set of values, for gradients beside missing voxels.
