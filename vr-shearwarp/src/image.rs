@@ -100,14 +100,24 @@ impl IntermediateImage {
 
     /// Smallest rectangle around what was drawn on: first column, first row, and those behind the last.
     pub(crate) fn drawn(&self) -> [usize; 4] {
-        let mut drawn = [usize::MAX, usize::MAX, 0, 0];
+        self.rectangle(|line| line.drawn)
+    }
+
+    /// The same around the texels that have a depth.
+    pub(crate) fn seen(&self) -> [usize; 4] {
+        self.rectangle(|line| line.seen)
+    }
+
+    /// Smallest rectangle around a part of each line.
+    fn rectangle(&self, of: impl Fn(&Line) -> [u32; 2]) -> [usize; 4] {
+        let mut all = [usize::MAX, usize::MAX, 0, 0];
         for (y, line) in self.lines.iter().enumerate() {
-            let [first, end] = line.drawn.map(|x| x as usize);
+            let [first, end] = of(line).map(|x| x as usize);
             if first < end {
-                drawn = [drawn[0].min(first), drawn[1].min(y), drawn[2].max(end), y + 1];
+                all = [all[0].min(first), all[1].min(y), all[2].max(end), y + 1];
             }
         }
-        if drawn[2] == 0 { [0; 4] } else { drawn }
+        if all[2] == 0 { [0; 4] } else { all }
     }
 }
 

@@ -208,7 +208,6 @@ impl Vectorized for WarpRows<'_> {
         let rows = self.pixels.chunks_exact_mut(self.width).zip(self.distances.chunks_exact_mut(self.width));
         for (i, (pixels, distances)) in rows.enumerate() {
             let y = self.first + i as u32;
-            self.warp.warp.row(simd, y, pixels);
             self.warp.row(simd, y, pixels, distances);
         }
     }

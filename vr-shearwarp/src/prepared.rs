@@ -342,7 +342,7 @@ impl PreparedShearWarp {
     /// Resamples the intermediate image onto the screen: pixels, and world distances of what they show.
     fn warp(
         &self,
-        (pass, distances): (&Pass, &RayDistances<'_>),
+        (pass, distances): (&Pass, &RayDistances),
         surfaces: Option<&SurfaceDepths>,
         view: &View,
         screen: (&mut [[f32; 4]], &mut [f32]),
@@ -361,6 +361,7 @@ impl PreparedShearWarp {
         let depths = DepthWarp {
             warp: &warp,
             depths: self.image.depths(),
+            seen: self.image.seen(),
             light: self.scene.compositing.integrates_light(),
             distances,
             tolerance: sheet::tolerance(f.spacing),

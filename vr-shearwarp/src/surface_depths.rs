@@ -22,7 +22,7 @@ pub(crate) struct SurfaceDepths {
 
 impl SurfaceDepths {
     /// Depths of a layer of `width` × `height` pixels. A texel's is linear between the pixels around it that lie on the same surface as the nearest.
-    pub(crate) fn new(layer: &Layer, [width, height]: [u32; 2], slices: &Slices, distances: &RayDistances<'_>) -> Self {
+    pub(crate) fn new(layer: &Layer, [width, height]: [u32; 2], slices: &Slices, distances: &RayDistances) -> Self {
         let f = &slices.factorization;
         let (to_texels, ends) = (f.texels_of_screen(), slices.depths);
         let [columns, rows] = [width, height].map(|n| n as usize);

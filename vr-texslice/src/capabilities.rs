@@ -106,14 +106,7 @@ fn check_texture(renderer: &TextureSlicer, scene: &Scene) -> Result<(), RenderEr
     if renderer.proxy == Proxy::Stacks && !plain_stack {
         return Err(unsupported(Feature::Setting, "stacks of 2D textures but of values"));
     }
-    let bricks = renderer.brick.is_some();
-    if bricks && renderer.proxy == Proxy::Stacks {
-        return Err(unsupported(
-            Feature::Setting,
-            "bricks of stacks: a stack's textures are the volume's layers, each across all bricks; take planes or shells",
-        ));
-    }
-    if bricks && renderer.order == DrawOrder::Slices {
+    if renderer.brick.is_some() && renderer.order == DrawOrder::Slices {
         return Err(unsupported(
             Feature::Setting,
             "whole slices of bricks: a brick's slices are drawn while it is there, before the next brick's",

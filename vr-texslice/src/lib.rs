@@ -90,7 +90,8 @@
 //! [`TextureSlicer::brick`] cuts the volume's texture into bricks, each a texture of its own: its cells' texels, of which neighbours share a layer, and where
 //! fragments look at central differences one more on all sides, and beside missing voxels the values that these are taken from. Bricks are drawn in an
 //! order in which none hides one before it, or back to front, and each takes all fragments that lie in it; the picture is that through one texture, bit for bit, in
-//! every format, under every operator and blend, shaded or not.
+//! every format, under every operator and blend, shaded or not. Bricks of a stack have their texels with its axis last, as the stack has; a sample belongs to the brick in
+//! which its slice lies, and beside missing voxels they have one more layer, for what lies on a layer belongs to the cells on both sides.
 //!
 //! A brick is made when rays first meet something visible in it: copied, classified, or decoded from compressed blocks, whose texels are then fetched as those of
 //! plain values. It stays for later pictures until the budget has no room for another, and the least recently used ones go first. Compressed blocks
@@ -108,8 +109,8 @@
 //!
 //! # What it does not do
 //! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; filters other than the trilinear one; analytic gradients in textures of light;
-//! colours, and lights of a colour, on luminance alone; values picked from textures of light, back to front, by segments or without correction; stacks but of values; bricks
-//! of stacks, whose textures are layers; and bricks slice by slice: a brick's slices are drawn while it is there. `maximum` and `minimum` are of samples.
+//! colours, and lights of a colour, on luminance alone; values picked from textures of light, back to front, by segments or without correction; stacks but of values;
+//! and bricks slice by slice: a brick's slices are drawn while it is there. `maximum` and `minimum` are of samples.
 
 mod bricks;
 mod capabilities;

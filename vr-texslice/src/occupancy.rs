@@ -5,7 +5,7 @@ use std::sync::Arc;
 use vr_core::GridVolume;
 use vr_kernels::ranges::{BlockRange, RangeBlocks};
 
-use crate::bricks::BrickLattice;
+use crate::bricks::{BrickLattice, Layout};
 use crate::compression::Compressed;
 
 /// Bounds of the field that a texture holds, in blocks of so many cells along an edge.
@@ -19,7 +19,7 @@ pub(crate) enum FieldRanges<'a> {
 impl<'a> FieldRanges<'a> {
     pub(crate) fn new(volume: &GridVolume, compressed: Option<&'a Compressed>, edge: usize) -> Self {
         match compressed {
-            Some(compressed) => Self::Compressed(compressed, BrickLattice::new(volume.dims(), edge)),
+            Some(compressed) => Self::Compressed(compressed, BrickLattice::new(volume.dims(), edge, Layout::VOLUME)),
             None => Self::Volume(RangeBlocks::of_volume(volume, edge)),
         }
     }

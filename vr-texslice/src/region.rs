@@ -2,6 +2,8 @@
 
 use vr_core::filter::Lattice;
 
+use crate::bricks::Layout;
+
 /// The texels from an index on, so many along each axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Region {
@@ -19,6 +21,18 @@ impl Region {
     pub(crate) fn around(cells: &[[usize; 2]; 3], apron: usize, dims: [usize; 3]) -> Self {
         let first = cells.map(|[first, _]| first.saturating_sub(apron));
         Self { first, dims: std::array::from_fn(|a| (cells[a][1] + 1 + apron).min(dims[a]) - first[a]) }
+    }
+
+    /// The same with texels from another one on along the last axis.
+    pub(crate) fn starting_at_layer(&self, first: usize) -> Self {
+        let mut region = *self;
+        (region.first[2], region.dims[2]) = (first, self.first[2] + self.dims[2] - first);
+        region
+    }
+
+    /// The same box along the volume's own axes.
+    pub(crate) fn turned_back(&self, layout: &Layout) -> Self {
+        Self { first: layout.turned_back(self.first), dims: layout.turned_back(self.dims) }
     }
 
     /// Number of texels.
@@ -44,6 +58,22 @@ impl Region {
             let [x, y, z] = self.row(row);
             let from = (z * lattice.dims[1] + y) * lattice.dims[0] + x;
             texels.extend_from_slice(&lattice.samples[from..from + self.dims[0]]);
+        }
+        texels
+    }
+
+    /// The texels that a lattice has there, if coordinate c of the region is the index along axis `axes[c]` of the lattice.
+    pub(crate) fn copied_along<T: Copy>(&self, axes: [usize; 3], lattice: &Lattice<'_, T>) -> Vec<T> {
+        if axes == [0, 1, 2] {
+            return self.copied(lattice);
+        }
+        let strides = [1, lattice.dims[0], lattice.dims[0] * lattice.dims[1]];
+        let [sx, sy, sz] = axes.map(|a| strides[a]);
+        let mut texels = Vec::with_capacity(self.count());
+        for row in 0..self.rows() {
+            let [x, y, z] = self.row(row);
+            let from = x * sx + y * sy + z * sz;
+            texels.extend((0..self.dims[0]).map(|i| lattice.samples[from + i * sx]));
         }
         texels
     }

@@ -7,7 +7,7 @@ use vr_core::filter::Lattice;
 use vr_core::{Control, Counts, GradientMethod, GridVolume, RenderError, RenderStats, Scene, View, memory, with_grid};
 use vr_kernels::vector::Operator;
 
-use crate::bricks::{BrickKey, BrickLattice, BrickSource, Pool};
+use crate::bricks::{BrickKey, BrickLattice, BrickSource, Layout, Pool};
 use crate::classified::{Classified, TextureKey, levels, palette};
 use crate::compression::Compressed;
 use crate::draw::{Bricked, Classifier, PacketScene, Pixel, draw_slices, draw_tiles};
@@ -181,7 +181,11 @@ impl TextureStore {
         let Needs { scene, volume, .. } = *needs;
         let light = renderer.holds_light().then(|| TextureKey::new(scene, needs.view, needs.slices)).transpose()?;
         let levels = levels(renderer.format, scene, volume);
-        let mut key = BrickKey { gradients: needs.gradients, light, levels };
+        let layout = needs.slices.axis().map_or(Layout::VOLUME, |axis| Layout {
+            axes: axes_of_stack(axis),
+            per_layer: samples_per_layer(renderer, scene.compositing),
+        });
+        let mut key = BrickKey { gradients: needs.gradients, light, levels, layout };
         if let (Format::Paletted, Some(light)) = (renderer.format, &mut key.light) {
             let length = std::mem::take(&mut light.length);
             if self.palette.as_ref().is_none_or(|(made, _)| *made != Some(length)) {
@@ -223,15 +227,16 @@ impl TextureStore {
         visible: impl Fn(f32, f32) -> bool + Sync,
     ) -> Drawn {
         let volume = needs.volume;
-        let lattice = BrickLattice::new(volume.dims(), edge);
+        let pool = self.bricks.as_mut().expect("made for the view");
+        let layout = pool.key.layout;
+        let lattice = BrickLattice::new(volume.dims(), edge, layout);
         let mut order = lattice.front_to_back(job.scene.view, volume.placement())?;
         if job.scene.pass.operator == Operator::Over {
             order.reverse();
         }
         let ranges = FieldRanges::new(volume, self.compressed.as_deref(), edge);
         let segments = matches!(job.scene.pass.classifier, Classifier::Segments(_));
-        let shows = |bricks: [[usize; 2]; 3]| ranges.show(bricks, segments, &visible);
-        let pool = self.bricks.as_mut().expect("made for the view");
+        let shows = |bricks: [[usize; 2]; 3]| ranges.show(layout.turned_back(bricks), segments, &visible);
         let source = BrickSource {
             format: renderer.format,
             scene: needs.scene,
@@ -255,10 +260,9 @@ impl TextureStore {
         if let Some(axis) = needs.slices.axis() {
             return with_grid!(self.stacks.of(volume, axis), g => {
                 let lattice = Lattice { samples: g.samples(), dims: g.dims() };
-                // A point is looked for between slices, too: where a ray enters and leaves, both have their share.
-                let texture = match job.scene.pass.operator {
-                    Operator::First { .. } => Voxels::new(&lattice),
-                    _ => Voxels::stack(&lattice, renderer.per_layer(), volume.vacuum_cells().is_some()),
+                let texture = match samples_per_layer(renderer, needs.scene.compositing) {
+                    None => Voxels::new(&lattice),
+                    Some(per_layer) => Voxels::stack(&lattice, per_layer, volume.vacuum_cells().is_some()),
                 };
                 job.visit(texture.with_relief(relief(axes_of_stack(axis))))
             });
@@ -273,6 +277,12 @@ impl TextureStore {
             job.visit(Voxels::new(&Lattice { samples: g.samples(), dims: g.dims() }).with_relief(relief([0, 1, 2])))
         })
     }
+}
+
+/// Slices to a layer on which a stack's samples lie. `None` under `first`: a point is looked for between slices, too; where a ray enters and leaves, both have
+/// their share.
+fn samples_per_layer(renderer: &TextureSlicer, compositing: Compositing) -> Option<u32> {
+    (!matches!(compositing, Compositing::First { .. })).then(|| renderer.per_layer())
 }
 
 /// Does work that tells if anything had to be made; only then it is a stage.

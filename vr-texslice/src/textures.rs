@@ -3,6 +3,7 @@
 use vr_core::filter::Lattice;
 use vr_core::{AnyGrid, GridVolume, RenderError, UniformGrid, Voxel, memory, with_grid};
 
+use crate::region::Region;
 use crate::texture_slicer::TextureSlicer;
 
 /// The order of a texture's axes for slices along an axis of the volume: that one last, so that a slice is contiguous.
@@ -57,13 +58,6 @@ pub(crate) fn hold(what: &'static str, bytes: u64, limit: u64) -> Result<(), Ren
 fn turned<T: Voxel>(grid: &UniformGrid<T>, axes: [usize; 3]) -> UniformGrid<T> {
     let old = Lattice { samples: grid.samples(), dims: grid.dims() };
     let dims = axes.map(|a| old.dims[a]);
-    let strides = [1, old.dims[0], old.dims[0] * old.dims[1]];
-    let [sx, sy, sz] = axes.map(|a| strides[a]);
-    let mut samples = Vec::with_capacity(old.samples.len());
-    for z in 0..dims[2] {
-        for y in 0..dims[1] {
-            samples.extend((0..dims[0]).map(|x| old.samples[z * sz + y * sy + x * sx]));
-        }
-    }
+    let samples = Region::whole(dims).copied_along(axes, &old);
     UniformGrid::new(dims, samples, *grid.placement(), grid.calibration()).expect("as many samples as before")
 }

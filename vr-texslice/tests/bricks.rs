@@ -14,7 +14,7 @@ use vr_texslice::{Blend, Format, Proxy, TextureSlicer};
 
 use every_setting::{FORMATS, OPERATORS, layered, looks_of_view, random_scene};
 
-const PROXIES: [Proxy; 2] = [Proxy::Planes, Proxy::Shells];
+const PROXIES: [Proxy; 3] = [Proxy::Planes, Proxy::Shells, Proxy::Stacks];
 /// Mebibytes for bricks: all of those with the smallest texels, and three or so of those with the largest.
 const BUDGET: f64 = 0.06;
 
@@ -64,7 +64,7 @@ fn every_texture_operator_blend_and_shading() {
                 {
                     for scene in looks_of_view(&scene, k) {
                         let scene = Scene { compositing, ..scene };
-                        // Slabs shorter than a voxel, and longer than a brick.
+                        // Slabs shorter than a voxel, and longer than a brick; of a stack two to a layer, and one.
                         let slice_spacing = if k % 2 == 0 { 0.8 } else { 9.3 };
                         let renderer =
                             TextureSlicer { format, proxy, blend, slice_spacing, ..TextureSlicer::brute_force() };
@@ -87,11 +87,13 @@ fn every_texture_operator_blend_and_shading() {
 fn what_cannot_be_seen_is_not_loaded() {
     let blobs = phantom_scene::<u8>("blobs", 48, 1.0);
     let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..blobs.clone() };
-    for format in [Format::Scalar, Format::PreIntegrated, Format::Compressed, Format::Rgba, Format::Paletted] {
+    let formats = [Format::Scalar, Format::PreIntegrated, Format::Compressed, Format::Rgba, Format::Paletted];
+    let stacks = [Format::Scalar, Format::PreIntegrated].map(|format| (format, Proxy::Stacks));
+    for (format, proxy) in formats.map(|format| (format, Proxy::Planes)).into_iter().chain(stacks) {
         for (scene, slice_spacing) in [(&blobs, 0.7), (&shaded, 0.7), (&shaded, 7.0)] {
             for fov in [None, Some(60.0)] {
                 let view = view(scene, 33.0, 21.0, fov, 32);
-                let brute = TextureSlicer { format, slice_spacing, ..TextureSlicer::brute_force() };
+                let brute = TextureSlicer { format, proxy, slice_spacing, ..TextureSlicer::brute_force() };
                 let all = draw(&brute, scene, &view);
                 let skipping = TextureSlicer { skip_empty_space: true, ..brute };
                 let [whole, bricks] = both(&skipping, 10, scene, &view).expect("it can draw this");
@@ -109,11 +111,12 @@ fn what_cannot_be_seen_is_not_loaded() {
 #[test]
 fn several_samples_a_pixel_opaque_layers_and_threads() {
     let scene = Scene { shading: Some(Arc::new(Shading::default())), ..grey::<u16>() };
+    let stacks = [Format::Scalar, Format::PreIntegrated].map(|format| (format, Proxy::Stacks));
     for view in views(&scene).into_iter().skip(1) {
         let several = View { supersampling: 2, ..view.clone() };
         let layered = layered(&scene, &view);
-        for format in FORMATS {
-            let renderer = TextureSlicer { format, ..TextureSlicer::default() };
+        for (format, proxy) in FORMATS.map(|format| (format, Proxy::Planes)).into_iter().chain(stacks) {
+            let renderer = TextureSlicer { format, proxy, ..TextureSlicer::default() };
             for (scene, view) in [(&scene, &several), (&layered, &view)] {
                 let [whole, bricks] = both(&renderer, 9, scene, view).expect("it can draw this");
                 assert!(whole.frame == bricks.frame, "{format:?} {:?}", view.camera);
@@ -136,6 +139,14 @@ fn refused(renderer: &TextureSlicer, scene: &Scene, view: &View) -> Option<[u64;
     }
 }
 
+/// Checks that a renderer with bricks of eight cells needs so many bytes.
+fn needs(renderer: TextureSlicer, scene: &Scene, bytes: u64) {
+    let view = view(scene, 20.0, 10.0, None, 8);
+    let with = |bytes: u64| TextureSlicer { brick: Some(8), budget: bytes as f64 / 1_048_576.0, ..renderer.clone() };
+    assert_eq!(refused(&with(bytes - 1), scene, &view), Some([bytes, bytes - 1]), "{renderer:?}");
+    assert_eq!(refused(&with(bytes), scene, &view), None, "{renderer:?}");
+}
+
 #[test]
 fn a_budget_needs_room_for_one_brick() {
     let plain = grey::<f32>();
@@ -153,16 +164,18 @@ fn a_budget_needs_room_for_one_brick() {
         (&plain, Format::Paletted, 729, 1, 0),
         (&shaded, Format::Paletted, 729, 25, 0),
     ] {
-        let view = view(scene, 20.0, 10.0, None, 8);
-        let bytes = texels * texel + beside;
-        let with = |bytes: u64| TextureSlicer {
-            format,
-            brick: Some(8),
-            budget: bytes as f64 / 1_048_576.0,
-            ..TextureSlicer::default()
-        };
-        assert_eq!(refused(&with(bytes - 1), scene, &view), Some([bytes, bytes - 1]), "{format:?}");
-        assert_eq!(refused(&with(bytes), scene, &view), None, "{format:?}");
+        needs(TextureSlicer { format, ..TextureSlicer::default() }, scene, texels * texel + beside);
+    }
+    let holed_plain = holed(plain.clone());
+    for (scene, format, texels, texel) in [
+        (&plain, Format::PreIntegrated, 729, 4),
+        (&shaded, Format::Scalar, 1331, 4),
+        // Beside holes a layer belongs to the cells before it, too; and the middle of a segment may lie in these.
+        (&holed_plain, Format::Scalar, 810, 4),
+        (&holes, Format::Scalar, 1331, 8),
+        (&holes, Format::PreIntegrated, 1452, 8),
+    ] {
+        needs(TextureSlicer { format, proxy: Proxy::Stacks, ..TextureSlicer::default() }, scene, texels * texel);
     }
 }
 

@@ -25,7 +25,7 @@ fn what_it_cannot_draw_it_refuses() {
     assert!(!refused(TextureSlicer { order: DrawOrder::Slices, ..plain() }, &maximum, &view));
     assert!(refused(TextureSlicer { termination: 0.5, ..plain() }, &maximum, &view), "no opacity is gathered");
     assert!(refused(TextureSlicer { order: DrawOrder::Slices, brick: Some(16), ..plain() }, &scene, &view));
-    assert!(refused(TextureSlicer { proxy: Proxy::Stacks, brick: Some(16), ..plain() }, &scene, &view));
+    assert!(!refused(TextureSlicer { proxy: Proxy::Stacks, brick: Some(16), ..plain() }, &scene, &view));
     let stacks = TextureSlicer { order: DrawOrder::Slices, proxy: Proxy::Stacks, ..plain() };
     assert!(!refused(stacks, &scene, &View { supersampling: 2, ..view.clone() }), "quads");
     let level = Scene { compositing: Compositing::Accumulate { level: 0.5 }, ..scene.clone() };

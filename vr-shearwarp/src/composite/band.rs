@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 use vr_kernels::vector::{LANES, Vectorized};
 
-use super::cells::Edges;
+use super::cells::{Edges, texels_between};
 use super::kernel::{Added, Chunk, Kernel, Row, Seen};
 use crate::encode::{Run, Runs};
 use crate::links::Links;
@@ -61,6 +61,8 @@ impl Scratch {
 pub(crate) struct Line {
     /// The first texel that was drawn on, and the one behind the last.
     pub(crate) drawn: [u32; 2],
+    /// The first texel that has a depth, and the one behind the last.
+    pub(crate) seen: [u32; 2],
     /// Number of samples that it took.
     pub(crate) samples: u32,
     /// Number of opaque texels.
@@ -68,7 +70,7 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    pub(crate) const EMPTY: Self = Self { drawn: [u32::MAX, 0], samples: 0, opaque: 0 };
+    pub(crate) const EMPTY: Self = Self { drawn: [u32::MAX, 0], seen: [u32::MAX, 0], samples: 0, opaque: 0 };
 }
 
 /// Compositing of one band.
@@ -98,6 +100,7 @@ impl<K: Kernel, const N: usize> Vectorized for Work<'_, '_, K, N> {
             if runs.layer_is_empty(slice.layer) {
                 continue;
             }
+            let at_once = texels_between(K::COLUMNS, slice.map.scale);
             let first = slice.valid.first[1].max(band.first);
             let end = slice.valid.end[1].min(band.first + rows);
             for y in first..end {
@@ -125,6 +128,7 @@ impl<K: Kernel, const N: usize> Vectorized for Work<'_, '_, K, N> {
                     y,
                     weights: weights((v - cell as f64) as f32, slice.fraction),
                     texels,
+                    at_once,
                     row: Row::new(planes),
                     chords,
                     links: Links::new(&mut band.links[row * (width + 1)..][..width + 1]),
@@ -153,12 +157,13 @@ impl<K: Kernel, const N: usize> Vectorized for Work<'_, '_, K, N> {
             let planes = Row::new(planes);
             planes.write(texels);
             let stops = if band.stops.is_empty() { &[] } else { &band.stops[row * width..][..width] };
-            finish(kernel, slices, band.first + row, &planes, (texels, depths), (stops, chords));
+            let seen = finish(kernel, slices, band.first + row, &planes, (texels, depths), (stops, chords));
+            band.lines[row].seen = seen;
         }
     }
 }
 
-/// Finishes the texels of row `y` that see something, and writes their depths.
+/// Finishes the texels of row `y` that see something, and writes their depths. Returns the first of these texels, and the one behind the last.
 fn finish<K: Kernel>(
     kernel: &K,
     slices: &Slices,
@@ -166,7 +171,8 @@ fn finish<K: Kernel>(
     planes: &Row<'_>,
     (texels, depths): (&mut [[f32; 4]], &mut [f32]),
     (stops, chords): (&[f32], &mut [Vec<f64>; 2]),
-) {
+) -> [u32; 2] {
+    let mut seen = Line::EMPTY.seen;
     for (x, (texel, depth)) in texels.iter_mut().zip(depths).enumerate() {
         let place = planes.places()[x];
         if place == 0.0 {
@@ -181,9 +187,11 @@ fn finish<K: Kernel>(
             [front[x], back[x]]
         };
         let fraction = f64::from(place) - (slice + 1) as f64;
-        let seen = Seen { slices, slice, fraction, texel: [x, y], chord };
-        *depth = kernel.finish(&seen, texel) as f32;
+        let place = Seen { slices, slice, fraction, texel: [x, y], chord };
+        *depth = kernel.finish(&place, texel) as f32;
+        seen = [seen[0].min(x as u32), x as u32 + 1];
     }
+    seen
 }
 
 /// Positions at which the rays of row `y` enter the volume and leave it, or meet a surface; with a vector's room behind the last. Found when
@@ -221,6 +229,8 @@ struct Crossing<'a, 'b, K, const N: usize> {
     /// Weights of the edges of cells.
     weights: [f32; N],
     texels: SliceRow,
+    /// Texels that are added to at once.
+    at_once: usize,
     row: Row<'b>,
     chords: &'b mut [Vec<f64>; 2],
     links: Links<'b>,
@@ -290,7 +300,7 @@ impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
                 return x;
             }
             // Opaque texels in between come along, and stay as they are: to leave them out costs more.
-            let n = (end - x).min(K::AT_ONCE);
+            let n = (end - x).min(self.at_once);
             let columns = self.slice.columns(x, run.start, edges.last);
             let chunk = Chunk { x, y: self.y, n, slice: self.number };
             let whole = x >= self.texels.whole[0] && x + n <= self.texels.whole[1];

@@ -73,7 +73,6 @@ impl Hat {
 
 impl<P: Code, const PRE_CLASSIFIED: bool> Kernel for ByGradient<'_, P, PRE_CLASSIFIED> {
     const CLOSES: bool = true;
-    const AT_ONCE: usize = LANES;
 
     #[inline(always)]
     fn add<S: Simd, const N: usize, const UNIT: bool>(

@@ -48,6 +48,12 @@ pub(crate) const STEPS_F32: [f32; LANES] = [0., 1., 2., 3., 4., 5., 6., 7., 8., 
 /// Sixteen texels lie in fewer cells than this, the last one's right end included: the first is at most a cell in, and fifteen steps are 19 cells.
 pub(super) const SPAN: usize = 2 * LANES;
 
+/// Texels at once, at most [`LANES`], that lie between so many columns wherever in its cell the first one lies; `scale` as in [`Columns`].
+pub(crate) fn texels_between(columns: usize, scale: f64) -> usize {
+    // The first one is less than a cell in, and the last one has a column to its right. `as` rounds down.
+    (((columns - 2) as f64 / scale) as usize + 1).min(LANES)
+}
+
 impl Columns {
     /// `UNIT`: a texel a cell.
     #[inline(always)]
@@ -59,6 +65,32 @@ impl Columns {
         let last = splat(simd, (last - self.first) as f32);
         let cell: i32x16<S> = position.max(splat(simd, 0.0)).min(last).to_int();
         Places { first: self.first, cell: cell.to_array(), weight: position - cell.to_float::<f32x16<S>>() }
+    }
+}
+
+impl<S: Simd> Places<S> {
+    /// Numbers at sixteen columns from the first one on, interpolated to the texels; for those that lie between these columns.
+    #[inline(always)]
+    pub(crate) fn between<const UNIT: bool>(&self, simd: S, columns: f32x16<S>) -> f32x16<S> {
+        let [left, right] = self.beside::<UNIT>(simd, columns);
+        left + (right - left) * self.weight
+    }
+
+    /// Weights of what is at the left of texels (0), or at the right.
+    #[inline(always)]
+    pub(crate) fn weight_beside(&self, simd: S, right: usize) -> f32x16<S> {
+        if right == 0 { splat(simd, 1.0) - self.weight } else { self.weight }
+    }
+
+    /// Numbers at sixteen columns from the first one on, as they are at the left and at the right of texels.
+    #[inline(always)]
+    pub(crate) fn beside<const UNIT: bool>(&self, simd: S, columns: f32x16<S>) -> [f32x16<S>; 2] {
+        if UNIT {
+            return [columns, columns.slide::<1>(splat(simd, 0.0))];
+        }
+        let bytes = i32x16::load_array_ref(simd, &self.cell) * 0x0404_0404 + 0x0302_0100;
+        let left: f32x16<S> = columns.swizzle_dyn(bytes.bitcast::<u8x64<S>>());
+        [left, columns.swizzle_dyn((bytes + 0x0404_0404).bitcast::<u8x64<S>>())]
     }
 }
 
@@ -101,4 +133,23 @@ pub(crate) fn values<S: Simd, P: Interpolated, const N: usize, const UNIT: bool>
         right = near.concat_swizzle_dyn(far, (bytes + 0x0404_0404).bitcast::<u8x64<S>>());
     }
     left + places.weight * (right - left)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texels_lie_between_the_columns() {
+        for columns in [LANES, SPAN] {
+            for scale in [1e-9, 0.3, 0.93, 1.0, 1.1, 1.25] {
+                let n = texels_between(columns, scale);
+                // The first one just before the end of its cell, and as many as can be.
+                let last_right = |n: usize| (1.0 - 1e-9 + (n - 1) as f64 * scale).floor() as usize + 1;
+                assert!(n >= 1 && last_right(n) < columns, "{columns} {scale}: {n}");
+                assert!(n == LANES || last_right(n + 1) >= columns, "{columns} {scale}: {n}");
+            }
+        }
+        assert_eq!([texels_between(LANES, 1.0), texels_between(LANES, 1.25), texels_between(SPAN, 1.25)], [15, 12, 16]);
+    }
 }

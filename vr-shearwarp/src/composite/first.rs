@@ -21,7 +21,6 @@ pub(crate) struct First<'a, P> {
 
 impl<P: Code> Kernel for First<'_, P> {
     const CLOSES: bool = true;
-    const AT_ONCE: usize = LANES;
 
     #[inline(always)]
     fn add<S: Simd, const N: usize, const UNIT: bool>(

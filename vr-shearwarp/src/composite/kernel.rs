@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_kernels::vector::{LANES, pick, splat};
 
-use super::cells::{Columns, Edges, STEPS_F32};
+use super::cells::{Columns, Edges, SPAN, STEPS_F32};
 use crate::slices::Slices;
 
 /// Operation on the samples under texels of one row, in one run of cells.
@@ -12,8 +12,8 @@ pub(crate) trait Kernel: Sync {
     /// True if texels can become opaque.
     const CLOSES: bool;
 
-    /// Texels at once: at most [`LANES`].
-    const AT_ONCE: usize;
+    /// Columns of voxels that texels which are added to at once may lie between.
+    const COLUMNS: usize = SPAN;
 
     /// Adds a sample to each of the `n` texels from (x, y) on. `UNIT`: a texel a cell. A sample stands for its
     /// share of the distance between slices, or for all of it; it is none where its share is negative. Texels that are opaque are left as they

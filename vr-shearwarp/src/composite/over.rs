@@ -42,8 +42,8 @@ pub(crate) struct Over<'a, P: Code, const PRE_CLASSIFIED: bool, const SHADING: u
 
 impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Kernel for Over<'_, P, PRE_CLASSIFIED, SHADING> {
     const CLOSES: bool = true;
-    // Of sixteen columns of classified voxels.
-    const AT_ONCE: usize = if PRE_CLASSIFIED { LANES - 1 } else { LANES };
+    // Classified voxels, and what they reflect to rays, are of sixteen columns.
+    const COLUMNS: usize = if PRE_CLASSIFIED || SHADING == BY_RAYS { LANES } else { SPAN };
 
     #[inline(always)]
     fn add<S: Simd, const N: usize, const UNIT: bool>(
@@ -61,14 +61,14 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Kernel for Over<'_,
         let table = &self.lengths.table;
         let places = columns.places::<S, UNIT>(simd, edges.last);
         let mut samples = if PRE_CLASSIFIED && SHADING == BY_RAYS {
-            self.of_voxels_by_rays(simd, table, edges, &places, &at)
+            self.of_voxels_by_rays::<S, N, UNIT>(simd, table, edges, &places, &at)
         } else if PRE_CLASSIFIED {
             self.of_voxels::<S, N, UNIT>(simd, table, edges, &places, at.n)
         } else {
             self.of_values::<S, N, UNIT>(simd, table, edges, &places, at.n)
         };
         if SHADING == BY_RAYS && !PRE_CLASSIFIED {
-            samples = self.lit_by_rays(simd, edges, &places, &at, samples);
+            samples = self.lit_by_rays::<S, N, UNIT>(simd, edges, &places, &at, samples);
         }
         let shares = shares.map(|shares| f32x16::load_array_ref(simd, shares).max(splat(simd, 0.0)));
         if let Some(ratios) = &self.lengths.ratios {
@@ -141,60 +141,33 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLA
         places: &Places<S>,
         n: usize,
     ) -> [f32x16<S>; 4] {
-        if UNIT {
-            // Sixteen columns, for up to fifteen texels.
-            let mut left = [splat(simd, 0.0); 4];
-            for e in 0..N {
-                let from = edges.at[e] + places.first;
-                let voxels = &self.voxels[from..][..LANES];
-                let mut rows = [f32x4::splat(simd, 0.0); LANES];
+        // Sixteen columns, summed across the edges; then along them.
+        let mut columns = [splat(simd, 0.0); 4];
+        for e in 0..N {
+            let from = edges.at[e] + places.first;
+            let voxels = &self.voxels[from..][..LANES];
+            let mut rows = [f32x4::splat(simd, 0.0); LANES];
+            for i in 0..LANES {
+                rows[i] = f32x4::load_array_ref(simd, self.row(table, voxels[i]));
+            }
+            if SHADING == BY_TABLE {
+                let normals = &self.normals[from..][..LANES];
                 for i in 0..LANES {
-                    rows[i] = f32x4::load_array_ref(simd, self.row(table, voxels[i]));
-                }
-                if SHADING == BY_TABLE {
-                    let normals = &self.normals[from..][..LANES];
-                    for i in 0..LANES {
-                        rows[i] = self.lit_voxel(simd, rows[i], normals[i]);
-                    }
-                }
-                let rows = packed(rows);
-                for quad in 0..4 {
-                    left[quad] += rows[quad] * edges.weights[e];
+                    rows[i] = self.lit_voxel(simd, rows[i], normals[i]);
                 }
             }
-            let left = transpose_packed(left);
-            let counts = f32x16::load_array_ref(simd, &STEPS_F32).simd_lt(splat(simd, n as f32));
-            let nothing = splat(simd, 0.0);
-            let mut samples = [nothing; 4];
-            for c in 0..4 {
-                let right = left[c].slide::<1>(nothing);
-                samples[c] = pick(counts, left[c] + (right - left[c]) * places.weight, nothing);
+            let rows = packed(rows);
+            for quad in 0..4 {
+                columns[quad] += rows[quad] * edges.weights[e];
             }
-            return samples;
         }
-        // All columns first: neighbouring texels share them.
-        let mut columns = [[0.0; 4]; SPAN];
-        let last = places.cell[n - 1] as usize + 1;
-        for (i, column) in columns[..=last].iter_mut().enumerate() {
-            let mut sum = f32x4::splat(simd, 0.0);
-            for e in 0..N {
-                let at = edges.at[e] + places.first + i;
-                let mut row = f32x4::load_array_ref(simd, self.row(table, self.voxels[at]));
-                if SHADING == BY_TABLE {
-                    row = self.lit_voxel(simd, row, self.normals[at]);
-                }
-                sum += row * edges.weights[e];
-            }
-            *column = sum.to_array();
+        let counts = f32x16::load_array_ref(simd, &STEPS_F32).simd_lt(splat(simd, n as f32));
+        let nothing = splat(simd, 0.0);
+        let mut samples = transpose_packed(columns);
+        for c in 0..4 {
+            samples[c] = pick(counts, places.between::<UNIT>(simd, samples[c]), nothing);
         }
-        let weight = places.weight.to_array();
-        let mut rows = [f32x4::splat(simd, 0.0); LANES];
-        for i in 0..n {
-            let cell = places.cell[i] as usize;
-            let left = f32x4::load_array_ref(simd, &columns[cell]);
-            rows[i] = left + (f32x4::load_array_ref(simd, &columns[cell + 1]) - left) * weight[i];
-        }
-        transpose(rows)
+        samples
     }
 
     /// A voxel, classified.

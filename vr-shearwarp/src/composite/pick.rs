@@ -20,7 +20,6 @@ const MIN_SHARE: f32 = 1e-6;
 
 impl<P: Code> Kernel for Pick<'_, P> {
     const CLOSES: bool = false;
-    const AT_ONCE: usize = LANES;
 
     #[inline(always)]
     fn add<S: Simd, const N: usize, const UNIT: bool>(

@@ -1,7 +1,7 @@
-//! Shading by rays of many directions: in perspective, what a normal reflects differs from texel to texel, and no table of normals serves.
+//! Shading by rays of many directions: in perspective, what a normal reflects differs from ray to ray, and no table of normals serves.
 //!
 //! Each texel's own ray decides: lights and half vectors are made for sixteen texels at a time, and every normal around a sample is asked what it
-//! reflects to them. So nothing is interpolated that a table of normals would not interpolate, too.
+//! reflects to them. So nothing is interpolated that a table of normals would not interpolate, too. Voxels and normals are gathered once for sixteen columns, as they lie.
 
 use std::sync::LazyLock;
 
@@ -19,14 +19,19 @@ use crate::factorization::{Factorization, IndexView};
 use crate::reflections::{CODES, decode};
 
 /// Unit normal of every code, and 0; zeros and 1 for the code of no normal.
-static NORMALS: LazyLock<Vec<[f32; 4]>> = LazyLock::new(|| {
+static NORMALS: LazyLock<Box<[[f32; 4]; NORMALS_LEN]>> = LazyLock::new(|| {
     let of = |code: usize| decode(code as u16).map_or([0.0, 0.0, 0.0, 1.0], |n| n.as_vec3().extend(0.0).to_array());
-    (0..CODES).map(of).collect()
+    let mut all: Vec<_> = (0..CODES).map(of).collect();
+    all.resize(NORMALS_LEN, [0.0; 4]);
+    all.try_into().expect("as many as there are")
 });
+
+/// Length of a table of normals: a code that cannot be beyond it is not tested.
+const NORMALS_LEN: usize = CODES.next_power_of_two();
 
 /// Shading and lights, and the directions of the texels' rays.
 pub(crate) struct RayLights {
-    normals: &'static [[f32; 4]],
+    normals: &'static [[f32; 4]; NORMALS_LEN],
     ambient: f32,
     diffuse: f32,
     specular: f32,
@@ -76,63 +81,54 @@ impl RayLights {
 
     /// Sixteen normals.
     #[inline(always)]
-    fn normals<S: Simd>(&self, simd: S, codes: [u16; LANES]) -> [f32x16<S>; 4] {
+    fn normals<S: Simd>(&self, simd: S, codes: &[u16; LANES]) -> [f32x16<S>; 4] {
         let mut rows = [f32x4::splat(simd, 0.0); LANES];
         for i in 0..LANES {
-            rows[i] = f32x4::load_array_ref(simd, &self.normals[usize::from(codes[i])]);
+            rows[i] = f32x4::load_array_ref(simd, &self.normals[usize::from(codes[i]) % NORMALS_LEN]);
         }
         transpose(rows)
     }
 
-    /// Returns the cosine between a normal and a light, and the highlight, both without the coefficients of the material.
+    /// The factors on the three colours, and the light added to what is opaque, of sixteen normals along each of some edges.
     #[inline(always)]
-    fn reflected<S: Simd>(
+    fn reflections<S: Simd, const N: usize>(
         &self,
         simd: S,
-        normal: &[f32x16<S>; 4],
-        to_light: &Vectors<S>,
-        half: &Vectors<S>,
-    ) -> [f32x16<S>; 2] {
-        [cosine(simd, normal, to_light), self.power.of(simd, cosine(simd, normal, half))]
-    }
-
-    /// The factors on the three colours, and the light added to what is opaque, of `normals` with their weights, the sum of which is 1.
-    #[inline(always)]
-    fn mean<S: Simd, const CORNERS: usize>(
-        &self,
-        simd: S,
-        normals: &[[f32x16<S>; 4]],
-        weights: &[f32x16<S>],
+        normals: &[[f32x16<S>; 4]; N],
         to_eye: &Vectors<S>,
-    ) -> [Vectors<S>; 2] {
+    ) -> [[Vectors<S>; 2]; N] {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        // No normal, no shading.
-        let mut flat = zero;
-        for c in 0..CORNERS {
-            flat += weights[c] * normals[c][3];
+        let mut all = [[[zero; 3]; 2]; N];
+        for e in 0..N {
+            // No normal, no shading.
+            let flat = normals[e][3];
+            all[e][0] = [(one - flat) * self.ambient + flat; 3];
         }
-        let ambient = (one - flat) * self.ambient + flat;
-        let (mut factor, mut added) = ([ambient; 3], [zero; 3]);
         for light in &self.lights {
-            let (mut to_light, mut half) = (*to_eye, *to_eye);
+            // The cosine between a normal and a light, and the highlight's base.
+            let mut cosines = [[zero; 2]; N];
             if let Some([x, y, z]) = light.to_light {
-                to_light = [splat(simd, x), splat(simd, y), splat(simd, z)];
-                half = unit(simd, [to_light[0] + to_eye[0], to_light[1] + to_eye[1], to_light[2] + to_eye[2]]);
+                let to_light = [splat(simd, x), splat(simd, y), splat(simd, z)];
+                let half = unit(simd, [to_light[0] + to_eye[0], to_light[1] + to_eye[1], to_light[2] + to_eye[2]]);
+                for e in 0..N {
+                    cosines[e] = [cosine(simd, &normals[e], &to_light), cosine(simd, &normals[e], &half)];
+                }
+            } else {
+                for e in 0..N {
+                    cosines[e] = [cosine(simd, &normals[e], to_eye); 2];
+                }
             }
-            let (mut facing, mut highlight) = (zero, zero);
-            for c in 0..CORNERS {
-                let [cosine, shine] = self.reflected(simd, &normals[c], &to_light, &half);
-                let lit = weights[c] * (one - normals[c][3]);
-                facing += cosine * lit;
-                highlight += shine * lit;
-            }
-            let (facing, highlight) = (facing * self.diffuse, highlight * self.specular);
-            for c in 0..3 {
-                factor[c] += facing * light.color[c];
-                added[c] += highlight * light.color[c];
+            for e in 0..N {
+                let lit = one - normals[e][3];
+                let facing = cosines[e][0] * self.diffuse * lit;
+                let highlight = self.power.of(simd, cosines[e][1]) * self.specular * lit;
+                for c in 0..3 {
+                    all[e][0][c] += facing * light.color[c];
+                    all[e][1][c] += highlight * light.color[c];
+                }
             }
         }
-        [factor, added]
+        all
     }
 }
 
@@ -204,26 +200,29 @@ fn any<S: Simd>(simd: S, [r, g, b, alpha]: [f32x16<S>; 4]) -> bool {
 }
 
 impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLASSIFIED, SHADING> {
-    /// Codes of normals at the left (0) or right (1) corners along an edge.
+    /// Normals at the left and at the right of sixteen texels, along each edge.
     #[inline(always)]
-    fn corner_normals<S: Simd>(&self, at: usize, places: &Places<S>, n: usize) -> [u16; LANES] {
-        let mut codes = [0; LANES];
-        for i in 0..n {
-            codes[i] = self.normals[at + places.first + places.cell[i] as usize];
+    fn normals_beside<S: Simd, const N: usize, const UNIT: bool>(
+        &self,
+        simd: S,
+        edges: &Edges<N>,
+        places: &Places<S>,
+    ) -> [[[f32x16<S>; 4]; N]; 2] {
+        let rays = self.rays.expect("made where rays are shaded one by one");
+        let mut beside = [[[splat(simd, 0.0); 4]; N]; 2];
+        for e in 0..N {
+            let codes = self.normals[edges.at[e] + places.first..].first_chunk().expect("room behind the last");
+            let normals = rays.normals(simd, codes);
+            for c in 0..4 {
+                [beside[0][e][c], beside[1][e][c]] = places.beside::<UNIT>(simd, normals[c]);
+            }
         }
-        codes
-    }
-
-    /// Weight of the left (0) or right (1) corners along an edge.
-    #[inline(always)]
-    fn corner_weight<S: Simd>(simd: S, places: &Places<S>, right: usize, edge: f32) -> f32x16<S> {
-        let along = if right == 0 { splat(simd, 1.0) - places.weight } else { places.weight };
-        along * edge
+        beside
     }
 
     /// Samples shaded by what reflects at the voxels around them to each texel's ray, interpolated.
     #[inline(always)]
-    pub(super) fn lit_by_rays<S: Simd, const N: usize>(
+    pub(super) fn lit_by_rays<S: Simd, const N: usize, const UNIT: bool>(
         &self,
         simd: S,
         edges: &Edges<N>,
@@ -235,26 +234,26 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLA
             return samples;
         }
         let rays = self.rays.expect("made where rays are shaded one by one");
-        let nothing = splat(simd, 0.0);
-        let (mut normals, mut weights) = ([[nothing; 4]; 8], [nothing; 8]);
-        for e in 0..N {
-            for right in 0..2 {
-                normals[2 * e + right] = rays.normals(simd, self.corner_normals(edges.at[e] + right, places, at.n));
-                weights[2 * e + right] = Self::corner_weight(simd, places, right, edges.weights[e]);
+        let to_eye = rays.to_eye(simd, at.x, at.y);
+        let normals = self.normals_beside::<S, N, UNIT>(simd, edges, places);
+        let mut mean = [[splat(simd, 0.0); 3]; 2];
+        for right in 0..2 {
+            let reflections = rays.reflections(simd, &normals[right], &to_eye);
+            for e in 0..N {
+                let weight = places.weight_beside(simd, right) * edges.weights[e];
+                for i in 0..2 {
+                    for c in 0..3 {
+                        mean[i][c] += reflections[e][i][c] * weight;
+                    }
+                }
             }
         }
-        let to_eye = rays.to_eye(simd, at.x, at.y);
-        let shaded = if N == 4 {
-            rays.mean::<S, 8>(simd, &normals, &weights, &to_eye)
-        } else {
-            rays.mean::<S, 4>(simd, &normals, &weights, &to_eye)
-        };
-        lit(samples, shaded)
+        lit(samples, mean)
     }
 
     /// Classified voxels, each shaded for the texel's ray, and interpolated.
     #[inline(always)]
-    pub(super) fn of_voxels_by_rays<S: Simd, const N: usize>(
+    pub(super) fn of_voxels_by_rays<S: Simd, const N: usize, const UNIT: bool>(
         &self,
         simd: S,
         table: &P::Table,
@@ -262,29 +261,42 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLA
         places: &Places<S>,
         at: &Chunk,
     ) -> [f32x16<S>; 4] {
+        let nothing = splat(simd, 0.0);
+        let mut samples = [[[nothing; 4]; N]; 2];
+        let mut all = nothing;
+        for e in 0..N {
+            let voxels: &[P; LANES] =
+                self.voxels[edges.at[e] + places.first..].first_chunk().expect("room behind the last");
+            let mut rows = [f32x4::splat(simd, 0.0); LANES];
+            for i in 0..LANES {
+                rows[i] = f32x4::load_array_ref(simd, self.row(table, voxels[i]));
+            }
+            let columns = transpose(rows);
+            for c in 0..4 {
+                all += columns[c];
+                [samples[0][e][c], samples[1][e][c]] = places.beside::<UNIT>(simd, columns[c]);
+            }
+        }
+        let mut sum = [nothing; 4];
+        if !all.simd_gt(nothing).any_true() {
+            return sum;
+        }
         let rays = self.rays.expect("made where rays are shaded one by one");
         let to_eye = rays.to_eye(simd, at.x, at.y);
-        let one = [splat(simd, 1.0)];
-        let mut sum = [splat(simd, 0.0); 4];
-        for e in 0..N {
-            for right in 0..2 {
-                let from = edges.at[e] + right;
-                let mut rows = [f32x4::splat(simd, 0.0); LANES];
-                for i in 0..at.n {
-                    let voxel = self.voxels[from + places.first + places.cell[i] as usize];
-                    rows[i] = f32x4::load_array_ref(simd, self.row(table, voxel));
-                }
-                let samples = transpose(rows);
-                if !any(simd, samples) {
-                    continue;
-                }
-                let normals = [rays.normals(simd, self.corner_normals(from, places, at.n))];
-                let shaded = lit(samples, rays.mean::<S, 1>(simd, &normals, &one, &to_eye));
-                let weight = Self::corner_weight(simd, places, right, edges.weights[e]);
+        let normals = self.normals_beside::<S, N, UNIT>(simd, edges, places);
+        for right in 0..2 {
+            let reflections = rays.reflections(simd, &normals[right], &to_eye);
+            for e in 0..N {
+                let weight = places.weight_beside(simd, right) * edges.weights[e];
+                let shaded = lit(samples[right][e], reflections[e]);
                 for c in 0..4 {
                     sum[c] += shaded[c] * weight;
                 }
             }
+        }
+        let counts = f32x16::load_array_ref(simd, &STEPS_F32).simd_lt(splat(simd, at.n as f32));
+        for c in 0..4 {
+            sum[c] = pick(counts, sum[c], nothing);
         }
         sum
     }

@@ -124,6 +124,12 @@ impl<S: Simd> Block<S> {
         bits[0] | bits[1] << 8
     }
 
+    /// The positions' x and y, eight and eight.
+    #[inline(always)]
+    pub(super) fn positions(&self) -> [[f64x8<S>; 2]; 2] {
+        [self.x, self.y]
+    }
+
     /// Columns of texels, and how far the positions lie behind them, in [0, 1]; and the same for rows. For positions within some
     /// bounds only; the others are anything.
     #[inline(always)]

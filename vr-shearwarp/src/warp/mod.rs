@@ -16,7 +16,7 @@ use std::ops::Range;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16};
-use glam::DMat3;
+use glam::{DMat3, DVec2};
 
 use bilinear::Bilinear;
 use cubic::Cubic;
@@ -68,6 +68,26 @@ pub(crate) struct Warp<'a> {
     pub surfaces: Option<&'a SurfaceDepths>,
 }
 
+/// Work beside the drawing of colours, at the same positions of the texture.
+trait Beside {
+    /// Sixteen subpixels of neighbouring pixels, of which some are drawn. `at`: the first one's place on the screen, and the number of its pixel. Their positions are
+    /// given as cells and places in these, too.
+    fn lower<S: Simd>(&mut self, simd: S, block: &Block<S>, cells: &Cells<S>, drawn: u32, at: (DVec2, usize));
+}
+
+/// Columns and rows of texels before sixteen positions, and how far the positions lie behind them.
+type Cells<S> = [([i32; LANES], f32x16<S>); 2];
+
+/// No work beside colours.
+#[cfg(test)]
+struct Nothing;
+
+#[cfg(test)]
+impl Beside for Nothing {
+    #[inline(always)]
+    fn lower<S: Simd>(&mut self, _: S, _: &Block<S>, _: &Cells<S>, _: u32, _: (DVec2, usize)) {}
+}
+
 /// A filter of N × N texels: the N/2 on either side of a position, along each axis.
 trait Kernel<const N: usize> {
     /// Weights of a row of taps, from the position's distance to the tap before it, in [0, 1].
@@ -91,11 +111,18 @@ impl Warp<'_> {
     ///
     /// With one sample a pixel, sets the pixels that see some of the texture. With more, adds to each the share of this texture: samples
     /// that are not within, or see nothing, count as nothing. Pixels that see nothing are left as they are.
+    #[cfg(test)]
     #[inline(always)]
     pub(crate) fn row<S: Simd>(&self, simd: S, y: u32, out: &mut [[f32; 4]]) {
+        self.row_and(simd, y, out, &mut Nothing);
+    }
+
+    /// The same, with work beside it.
+    #[inline(always)]
+    fn row_and<S: Simd, B: Beside>(&self, simd: S, y: u32, out: &mut [[f32; 4]], beside: &mut B) {
         match self.filter {
-            WarpFilter::Bilinear => self.row_of::<S, Bilinear, 2>(simd, y, out),
-            WarpFilter::Cubic => self.row_of::<S, Cubic, 4>(simd, y, out),
+            WarpFilter::Bilinear => self.row_of::<S, Bilinear, B, 2>(simd, y, out, beside),
+            WarpFilter::Cubic => self.row_of::<S, Cubic, B, 4>(simd, y, out, beside),
         }
     }
 
@@ -150,7 +177,13 @@ impl Warp<'_> {
     }
 
     #[inline(always)]
-    fn row_of<S: Simd, K: Kernel<N>, const N: usize>(&self, simd: S, y: u32, out: &mut [[f32; 4]]) {
+    fn row_of<S: Simd, K: Kernel<N>, B: Beside, const N: usize>(
+        &self,
+        simd: S,
+        y: u32,
+        out: &mut [[f32; 4]],
+        beside: &mut B,
+    ) {
         let seen = self.seen(N / 2);
         // All taps are texels here.
         let [width, height] = self.texture.size.map(|n| n as f64);
@@ -163,16 +196,18 @@ impl Warp<'_> {
             let pixel = y as usize * out.len() + x;
             let pixels = &mut out[x..columns.end.min(x + LANES)];
             if self.samples == 1 {
-                let block = self.line(y, 0).block(simd, x as f64 + 0.5);
-                self.draw::<S, K, N, false>(simd, &block, [&seen, &inner], pixel, pixels);
+                let screen = DVec2::new(x as f64 + 0.5, f64::from(y) + 0.5);
+                let block = self.line(y, 0).block(simd, screen.x);
+                self.draw::<S, K, B, N, false>(simd, &block, [&seen, &inner], (screen, pixel), pixels, beside);
             } else {
                 let mut sums = [[0.0; 4]; LANES];
                 for j in 0..self.samples {
                     let line = self.line(y, j);
                     for i in 0..self.samples {
-                        let block = line.block(simd, x as f64 + self.subpixel(i));
+                        let screen = DVec2::new(x as f64 + self.subpixel(i), f64::from(y) + self.subpixel(j));
+                        let block = line.block(simd, screen.x);
                         let sums = &mut sums[..pixels.len()];
-                        self.draw::<S, K, N, true>(simd, &block, [&seen, &inner], pixel, sums);
+                        self.draw::<S, K, B, N, true>(simd, &block, [&seen, &inner], (screen, pixel), sums, beside);
                     }
                 }
                 // Divided at the end, so that the mean of opaque samples is opaque.
@@ -186,15 +221,16 @@ impl Warp<'_> {
         }
     }
 
-    /// One sample of each pixel, set or added; the first is number `first` of the screen.
+    /// One sample of each pixel, set or added; the first lies at a point of the screen and is number `first` there.
     #[inline(always)]
-    fn draw<S: Simd, K: Kernel<N>, const N: usize, const ADD: bool>(
+    fn draw<S: Simd, K: Kernel<N>, B: Beside, const N: usize, const ADD: bool>(
         &self,
         simd: S,
         block: &Block<S>,
         [seen, inner]: [&Bounds; 2],
-        first: usize,
+        (screen, first): (DVec2, usize),
         pixels: &mut [[f32; 4]],
+        beside: &mut B,
     ) {
         let wanted = (1u32 << pixels.len()) - 1;
         let easy = block.within(simd, inner) & wanted;
@@ -202,7 +238,9 @@ impl Warp<'_> {
         if all == 0 {
             return;
         }
-        let [(column, tx), (row, ty)] = block.cells(simd);
+        let cells = block.cells(simd);
+        beside.lower(simd, block, &cells, all, (screen, first));
+        let [(column, tx), (row, ty)] = cells;
         let (wx, wy) = (K::weights(simd, tx), K::weights(simd, ty));
         let texture = self.texture;
         for j in 0..pixels.len() {

@@ -4,6 +4,7 @@ use vr_core::filter::Lattice;
 use vr_core::{AnyGrid, GradientMethod, GridVolume, Scene, UniformGrid, with_grid};
 
 use super::lattice::Cells;
+use super::layout::Layout;
 use crate::classified::{LightTexels, TextureKey};
 use crate::compression::Compressed;
 use crate::palette::Levels;
@@ -30,6 +31,7 @@ pub(crate) struct BrickKey {
     pub(crate) light: Option<TextureKey>,
     /// Levels of the gradient's magnitude that indices have beside them.
     pub(crate) levels: Option<Levels>,
+    pub(crate) layout: Layout,
 }
 
 /// Source of bricks: the volume, and how a format has it.
@@ -48,14 +50,28 @@ impl BrickSource<'_> {
         self.key.gradients == Some(GradientMethod::CentralDifferences)
     }
 
+    /// True if samples lie on layers, beside missing voxels: what lies there belongs to the cells on both sides.
+    fn looks_before(&self) -> bool {
+        self.key.layout.per_layer.is_some() && self.volume.vacuum_cells().is_some()
+    }
+
     /// Texels around a brick's own that it needs: central differences reach a voxel further, the interpolant's derivative no further than its cell.
-    pub(crate) fn apron(&self) -> usize {
+    fn apron(&self) -> usize {
         usize::from(self.has_differences())
     }
 
-    /// The texels of a brick.
+    /// Layers before a brick's own that it needs along its last axis.
+    fn layers_before(&self) -> usize {
+        // Samples are moved to layers, from as far as half a slice before them: the middle of a segment that ends there may lie in the cell before.
+        let middles = self.format == Format::PreIntegrated && self.key.gradients.is_some();
+        let moved = self.key.layout.per_layer.is_some() && middles;
+        (self.apron() + usize::from(moved)).max(usize::from(self.looks_before()))
+    }
+
+    /// The texels of a brick, along their own axes.
     pub(crate) fn region(&self, cells: &Cells) -> Region {
-        Region::around(cells, self.apron(), self.volume.dims())
+        let around = Region::around(cells, self.apron(), self.key.layout.turned(self.volume.dims()));
+        around.starting_at_layer(cells[2][0].saturating_sub(self.layers_before()))
     }
 
     /// True if bricks hold a second set of values, for gradients beside missing voxels.
@@ -84,11 +100,13 @@ impl BrickSource<'_> {
             return Brick::Decoded { values: compressed.decode_with_missing(region), filled };
         }
         let grid = with_grid!(self.volume.values(), g => {
-            let texels = region.copied(&Lattice { samples: g.samples(), dims: g.dims() });
+            let texels = region.copied_along(self.key.layout.axes, &Lattice { samples: g.samples(), dims: g.dims() });
             let grid = UniformGrid::new(region.dims, texels, *g.placement(), g.calibration());
             grid.expect("a brick has two texels along each axis").into()
         });
         let filled = self.volume.filled_floats().filter(|_| self.is_filled());
+        // Gradients are found along the volume's own axes.
+        let region = region.turned_back(&self.key.layout);
         let filled = filled.map(|samples| region.copied(&Lattice { samples, dims: self.volume.dims() }));
         Brick::Values { grid, filled }
     }
@@ -114,14 +132,20 @@ impl Brick {
     ) -> V::Output {
         let dims = region.dims;
         let method = source.key.gradients.unwrap_or_default();
+        let layout = &source.key.layout;
         match self {
             Self::Values { grid, filled } => with_grid!(grid, g => {
                 let relief = match (method, filled) {
                     (GradientMethod::Analytic, _) => Relief::Interpolant,
-                    (_, Some(samples)) => Relief::filled(&Lattice { samples, dims }, [0, 1, 2]),
+                    (_, Some(samples)) => Relief::filled(&Lattice { samples, dims: layout.turned_back(dims) }, layout.axes),
                     (_, None) => Relief::Values,
                 };
-                visitor.visit(Voxels::new(&Lattice { samples: g.samples(), dims }).with_relief(relief))
+                let lattice = Lattice { samples: g.samples(), dims };
+                let texture = match layout.per_layer {
+                    Some(per_layer) => Voxels::stack(&lattice, per_layer, source.looks_before()),
+                    None => Voxels::new(&lattice),
+                };
+                visitor.visit(texture.with_relief(relief))
             }),
             Self::Decoded { values, filled } => {
                 let filled = Lattice { samples: filled.as_ref().unwrap_or(values), dims };

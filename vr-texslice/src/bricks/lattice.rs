@@ -3,22 +3,25 @@
 use glam::DVec3;
 use vr_core::{Placement, Projection, RenderError, View};
 
+use super::layout::Layout;
 use crate::region::Region;
 
-/// The bricks of a volume: of so many cells along an edge, fewer at the upper faces.
+/// The bricks of a volume: of so many cells along an edge, fewer at the upper faces; all numbers are along the axes of their texels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BrickLattice {
     pub(crate) edge: usize,
-    /// Cells of the volume along each axis.
+    /// Cells along each axis of the texels.
     cells: [usize; 3],
+    layout: Layout,
 }
 
 /// The cells of a brick along each axis: from the first to behind the last.
 pub(crate) type Cells = [[usize; 2]; 3];
 
 impl BrickLattice {
-    pub(crate) fn new(dims: [usize; 3], edge: usize) -> Self {
-        Self { edge, cells: dims.map(|n| n - 1) }
+    /// The bricks of a volume of so many samples along its own axes.
+    pub(crate) fn new(dims: [usize; 3], edge: usize, layout: Layout) -> Self {
+        Self { edge, cells: layout.turned(dims).map(|n| n - 1), layout }
     }
 
     /// Bricks along each axis.
@@ -39,14 +42,13 @@ impl BrickLattice {
         })
     }
 
-    /// The largest region that a brick needs, `apron` texels around its own included.
-    pub(crate) fn largest(&self, apron: usize) -> Region {
-        let dims = self.cells.map(|n| n + 1);
+    /// The largest region that a brick needs, given that of its cells.
+    pub(crate) fn largest(&self, region: impl Fn(&Cells) -> Region) -> Region {
         // Along each axis the second, with an apron at both ends, or the first, if it is the larger one.
         let extent = |a: usize| {
             let of = |brick: usize| {
                 let brick = std::array::from_fn(|b| if b == a { brick } else { 0 });
-                Region::around(&self.cells_of(brick), apron, dims).dims[a]
+                region(&self.cells_of(brick)).dims[a]
             };
             (0..self.count()[a].min(2)).map(of).max().unwrap_or_default()
         };
@@ -59,11 +61,15 @@ impl BrickLattice {
     /// brick in which the eye is (which may lie beyond the volume), or, where rays are parallel, its numbers along the view.
     pub(crate) fn front_to_back(&self, view: &View, placement: &Placement) -> Result<Vec<[usize; 3]>, RenderError> {
         let count = self.count();
-        let eye = placement.inverse_axes() * (view.camera.eye - placement.origin()) / self.edge as f64;
-        let ahead = placement.inverse_axes() * view.camera.frame()?.z_axis;
+        let index = placement.inverse_axes() * (view.camera.eye - placement.origin());
+        let mut eye = self.layout.turned(index.to_array());
+        // Of samples that are moved, those on one side of the eye stay on one side of the slice that it moves to.
+        eye[2] = self.layout.moved(eye[2]);
+        let eye = eye.map(|at| (at / self.edge as f64).floor());
+        let ahead = self.layout.turned((placement.inverse_axes() * view.camera.frame()?.z_axis).to_array());
         let depth = |brick: [usize; 3]| -> f64 {
             let along = |a: usize| match view.camera.projection {
-                Projection::Perspective { .. } => (brick[a] as f64 - eye[a].floor()).abs(),
+                Projection::Perspective { .. } => (brick[a] as f64 - eye[a]).abs(),
                 Projection::Orthographic { .. } if ahead[a] < 0.0 => -(brick[a] as f64),
                 Projection::Orthographic { .. } => brick[a] as f64,
             };
@@ -76,10 +82,14 @@ impl BrickLattice {
         Ok(all)
     }
 
-    /// The corners of a brick in the world.
+    /// The corners in the world of a brick, and of as much before it and behind as its samples may be moved by.
     pub(crate) fn corners(&self, brick: [usize; 3], placement: &Placement) -> [DVec3; 8] {
         let cells = self.cells_of(brick);
-        let [low, high] = [0, 1].map(|end| DVec3::from_array(cells.map(|c| c[end] as f64)));
+        let [low, high] = [0, 1].map(|end| {
+            let mut corner = cells.map(|c| c[end] as f64);
+            corner[2] += [-1.0, 1.0][end] * self.layout.largest_move();
+            DVec3::from_array(self.layout.turned_back(corner))
+        });
         crate::geometry::box_corners(placement, low, high)
     }
 }

@@ -88,7 +88,7 @@ mod tests {
     use super::*;
     use vr_core::*;
 
-    use super::super::BrickLattice;
+    use super::super::{BrickLattice, Layout};
     use crate::texture_slicer::Format;
 
     fn scene() -> Scene {
@@ -103,12 +103,12 @@ mod tests {
     fn bricks_share_a_layer_and_the_least_recently_used_go() {
         let scene = scene();
         let volume = scene.volume.grid().unwrap();
-        let key = BrickKey { gradients: None, light: None, levels: None };
+        let key = BrickKey { gradients: None, light: None, levels: None, layout: Layout::VOLUME };
         let source =
             BrickSource { format: Format::Scalar, scene: &scene, volume, compressed: None, palette: None, key };
-        let lattice = BrickLattice::new(volume.dims(), 4);
+        let lattice = BrickLattice::new(volume.dims(), 4, Layout::VOLUME);
         assert_eq!(lattice.count(), [2, 2, 2]);
-        let largest = source.bytes(&lattice.largest(0));
+        let largest = source.bytes(&lattice.largest(|cells| source.region(cells)));
         assert_eq!(largest, 5 * 5 * 5 * 2);
         let mut pool = Pool::new(key, 0, 2 * largest);
         let control = Control::default();
@@ -141,11 +141,12 @@ mod tests {
     fn a_budget_holds_at_every_moment() {
         let scene = scene();
         let volume = scene.volume.grid().unwrap();
-        let key = BrickKey { gradients: Some(GradientMethod::CentralDifferences), light: None, levels: None };
+        let gradients = Some(GradientMethod::CentralDifferences);
+        let key = BrickKey { gradients, light: None, levels: None, layout: Layout::VOLUME };
         let source =
             BrickSource { format: Format::Scalar, scene: &scene, volume, compressed: None, palette: None, key };
-        let lattice = BrickLattice::new(volume.dims(), 2);
-        let largest = source.bytes(&lattice.largest(source.apron()));
+        let lattice = BrickLattice::new(volume.dims(), 2, Layout::VOLUME);
+        let largest = source.bytes(&lattice.largest(|cells| source.region(cells)));
         let control = Control::default();
         let held = |pool: &Pool| pool.resident.iter().map(|(_, brick)| brick.bytes()).sum::<u64>();
         for limit in largest..4 * largest {

@@ -43,7 +43,7 @@ impl Bricked<'_> {
         let scene = self.scene;
         let view = scene.view;
         let screen = ScreenProjection::new(view)?;
-        pool.check(self.source.bytes(&self.lattice.largest(self.source.apron())))?;
+        pool.check(self.source.bytes(&self.lattice.largest(|cells| self.source.region(cells))))?;
         let mut picture = Picture::new(view.size);
         let n = view.supersampling;
         for sample in 0..n * n {
@@ -62,7 +62,7 @@ impl Bricked<'_> {
                     continue;
                 }
                 let region = self.source.region(&cells);
-                let part = BrickPart::new(scene.setup.dims, &cells, region.first);
+                let part = BrickPart::new(scene.pass.dims, &cells, region.first, self.source.key.layout.per_layer);
                 let pass = PassBrick { scene, control, touched: &touched, part };
                 if (self.shows)(self.lattice.bricks_around(brick, reach)) {
                     let texture = pool.brick(brick, &self.source, &region, control)?;
@@ -96,6 +96,8 @@ impl Bricked<'_> {
                 }
             }
         }
+        // Both ends may be moved.
+        reach[2] += 2.0 * self.source.key.layout.largest_move() as f32;
         reach.map(|cells| cells.ceil() as usize)
     }
 }

@@ -6,12 +6,12 @@ use vr_core::GradientMethod;
 use vr_core::filter::Lattice;
 use vr_kernels::vector::{Cells, Field, Lanes, Stage, cells, inside, pick, splat};
 
-use super::Texture;
 use super::blocks::differences;
 use super::interpolant::slopes;
+use super::{Texture, on_slices};
 use crate::compression::gradient_of_texels;
 
-/// Cells of a brick in its volume, and where its texels begin.
+/// Cells of a brick in its volume, and where its texels begin; along the axes of the texels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BrickPart {
     /// Texels of the volume along each axis.
@@ -20,29 +20,41 @@ pub(crate) struct BrickPart {
     cells: [[i32; 2]; 3],
     /// Index of its first texel in the volume.
     first: [i32; 3],
+    /// Slices to a layer along the last axis, to the nearest of which samples are moved.
+    per_layer: Option<f32>,
 }
 
 /// Part of a cell by which rounding may put a sample before the one ahead of it.
 const SLACK: f32 = 1e-3;
 
 impl BrickPart {
-    /// The part of a volume of these dimensions between the first of the cells and the one behind the last, with texels from an index on.
-    pub(crate) fn new(dims: [usize; 3], cells: &[[usize; 2]; 3], first: [usize; 3]) -> Self {
+    /// The part of a volume of these dimensions between the first of the cells and the one behind the last, with texels from an index on. `per_layer`: slices to a
+    /// layer along the last axis, if samples are moved to the nearest.
+    pub(crate) fn new(dims: [usize; 3], cells: &[[usize; 2]; 3], first: [usize; 3], per_layer: Option<u32>) -> Self {
         Self {
+            per_layer: per_layer.map(|n| n as f32),
             dims,
             cells: cells.map(|[first, behind]| [first as i32, behind as i32 - 1]),
             first: first.map(|n| n as i32),
         }
     }
 
-    /// True for positions in the brick's cells.
+    /// True for positions in the brick's cells, or as far before them along a stack as samples are moved: the middle of a segment lies there whose end was moved to
+    /// the brick's first layer.
     #[inline(always)]
     pub(crate) fn holds<S: Simd>(&self, simd: S, position: [f32x16<S>; 3]) -> mask32x16<S> {
         let still = splat(simd, 0.0);
-        self.holds_ahead(simd, position, [still; 3])
+        let [x, y, z] = position;
+        let along = match self.per_layer {
+            None => self.holds_along(simd, 2, z, still),
+            Some(per_layer) => {
+                self.holds_along(simd, 2, z, still) | self.holds_along(simd, 2, z + 0.5 / per_layer, still)
+            }
+        };
+        self.holds_along(simd, 0, x, still) & self.holds_along(simd, 1, y, still) & along
     }
 
-    /// True for positions in the brick's cells, and just before them on rays that go on by so much from sample to sample: in the bricks before, there is
+    /// True for samples, by their positions, in the brick's cells, and just before them on rays that go on by so much from sample to sample: in the bricks before, there is
     /// nothing of such a ray any more but what rounding has put back.
     #[inline(always)]
     pub(crate) fn holds_ahead<S: Simd>(
@@ -51,9 +63,25 @@ impl BrickPart {
         [x, y, z]: [f32x16<S>; 3],
         heading: [f32x16<S>; 3],
     ) -> mask32x16<S> {
-        self.holds_along(simd, 0, x, heading[0])
-            & self.holds_along(simd, 1, y, heading[1])
-            & self.holds_along(simd, 2, z, heading[2])
+        let across = self.holds_along(simd, 0, x, heading[0]) & self.holds_along(simd, 1, y, heading[1]);
+        let (zero, slack) = (splat(simd, 0.0), splat(simd, SLACK));
+        let ahead = pick(heading[2].simd_gt(zero), slack, pick(heading[2].simd_lt(zero), -slack, zero));
+        let along = match self.per_layer {
+            None => self.holds_along(simd, 2, z, heading[2]),
+            // Rounding may move a sample to one slice or the next.
+            Some(_) => {
+                self.holds_along(simd, 2, self.moved(simd, z), zero)
+                    | self.holds_along(simd, 2, self.moved(simd, z + ahead), zero)
+            }
+        };
+        across & along
+    }
+
+    /// Positions along the last axis, moved as samples are.
+    #[inline(always)]
+    fn moved<S: Simd>(&self, simd: S, at: f32x16<S>) -> f32x16<S> {
+        let max = (self.dims[2] - 1) as f32;
+        self.per_layer.map_or(at, |per_layer| on_slices(simd, inside(simd, at, max), per_layer, max))
     }
 
     #[inline(always)]
@@ -68,12 +96,13 @@ impl BrickPart {
         at.simd_ge(low) & at.simd_lt(high)
     }
 
-    /// Places among the brick's texels; of positions elsewhere, that on its faces which is nearest.
+    /// Places among the brick's texels; of positions elsewhere, that on its faces which is nearest, or on that of so many layers before.
     #[inline(always)]
-    fn place<S: Simd>(&self, simd: S, position: [f32x16<S>; 3]) -> Cells<S> {
+    fn place<S: Simd>(&self, simd: S, position: [f32x16<S>; 3], layers_before: i32) -> Cells<S> {
         let mut at = position;
         for a in 0..3 {
             let [first, last] = self.cells[a];
+            let first = if a == 2 { (first - layers_before).max(0) } else { first };
             at[a] = at[a].max(splat(simd, first as f32)).min(splat(simd, (last + 1) as f32));
         }
         let mut at = cells(simd, at, self.cells.map(|[_, last]| last));
@@ -99,8 +128,13 @@ impl<X: Texture> Texture for InBrick<X> {
     }
 
     #[inline(always)]
-    fn place<S: Simd>(&self, simd: S, position: [f32x16<S>; 3]) -> Cells<S> {
-        self.part.place(simd, position)
+    fn place<S: Simd>(&self, simd: S, [x, y, z]: [f32x16<S>; 3]) -> Cells<S> {
+        self.part.place(simd, [x, y, self.part.moved(simd, z)], 0)
+    }
+
+    #[inline(always)]
+    fn place_between<S: Simd>(&self, simd: S, position: [f32x16<S>; 3]) -> Cells<S> {
+        self.part.place(simd, position, i32::from(self.part.per_layer.is_some()))
     }
 
     #[inline(always)]

@@ -11,7 +11,8 @@ pub(crate) use brick::{BrickPart, Decoded, InBrick};
 pub(crate) use light::visit_light;
 pub(crate) use voxels::{Relief, Voxels};
 
-use fearless_simd::{Simd, f32x16};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16};
 use vr_kernels::vector::{Cells, Lanes, cells, inside};
 
 /// A texture, as fragments see it.
@@ -50,6 +51,14 @@ pub(crate) trait Texture: Sync {
     /// Gradients per step of texture coordinates at places, of the lanes in `wanted`; those of other lanes are of no use. Zero of textures that hold light:
     /// gradients were looked at when they were made.
     fn gradient<S: Simd>(&self, simd: S, at: &Cells<S>, wanted: u32, stage: &mut Self::Stage) -> [Lanes; 3];
+}
+
+/// Positions along a stack inside the box, moved to the nearest slice, so many to a layer.
+#[inline(always)]
+fn on_slices<S: Simd>(simd: S, at: f32x16<S>, per_layer: f32, max: f32) -> f32x16<S> {
+    let slice: i32x16<S> = (at * per_layer + 0.5).to_int();
+    // Divided, a slice on a layer is there to the last bit: beside holes it matters.
+    inside(simd, slice.to_float::<f32x16<S>>() / per_layer, max)
 }
 
 /// Work on a texture of whatever type.

@@ -7,8 +7,8 @@ use fearless_simd::{Simd, f32x16, i32x16};
 use vr_core::filter::Lattice;
 use vr_kernels::vector::{Cells, Field, Lanes, Pairs, Stage, cells, central_differences, inside, pick, splat};
 
-use super::Texture;
 use super::interpolant::slopes;
+use super::{Texture, on_slices};
 
 /// Values, linear along each axis.
 pub(crate) struct Voxels<'a, T> {
@@ -103,9 +103,7 @@ impl<T: Pairs> Texture for Voxels<'_, T> {
         let max = self.dims.map(|n| (n - 1) as f32);
         let mut z = inside(simd, z, max[2]);
         if let Some(per_layer) = self.per_layer {
-            let slice: i32x16<S> = (z * per_layer + 0.5).to_int();
-            // Divided, a slice on a layer is there to the last bit: beside holes it matters.
-            z = inside(simd, slice.to_float::<f32x16<S>>() / per_layer, max[2]);
+            z = on_slices(simd, z, per_layer, max[2]);
         }
         cells(simd, [inside(simd, x, max[0]), inside(simd, y, max[1]), z], self.field.last_cell)
     }
