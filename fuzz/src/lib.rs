@@ -23,15 +23,15 @@ mod seeds;
 mod targets;
 
 // Files of the tests of vr-io.
-#[path = "../../vr-io/tests/small_amr/mod.rs"]
+#[path = "../../vr-io/tests/all/small_amr/mod.rs"]
 mod small_amr;
-#[path = "../../vr-io/tests/small_images/mod.rs"]
+#[path = "../../vr-io/tests/all/small_images/mod.rs"]
 mod small_images;
-#[path = "../../vr-io/tests/small_meshes/mod.rs"]
+#[path = "../../vr-io/tests/all/small_meshes/mod.rs"]
 mod small_meshes;
-#[path = "../../vr-io/tests/small_points/mod.rs"]
+#[path = "../../vr-io/tests/all/small_points/mod.rs"]
 mod small_points;
-#[path = "../../vr-io/tests/tiny/mod.rs"]
+#[path = "../../vr-io/tests/all/tiny/mod.rs"]
 mod tiny;
 
 pub use ground::{Ground, MEMORY_LEFT};

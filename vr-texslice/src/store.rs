@@ -4,7 +4,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use vr_core::filter::Lattice;
-use vr_core::{Control, Counts, GradientMethod, GridVolume, RenderError, RenderStats, Scene, View, memory, with_grid};
+use vr_core::{
+    Compositing, Control, Counts, GradientMethod, GridVolume, RenderError, RenderStats, Scene, View, memory, with_grid,
+};
 use vr_kernels::vector::Operator;
 
 use crate::bricks::{BrickKey, BrickLattice, BrickSource, Layout, Pool};

@@ -1,0 +1,9 @@
+//! Tests of the crate from outside, in one program: it is linked once, and its tests run side by side.
+
+mod along_faces;
+mod checks;
+mod exact;
+mod eye_inside;
+mod march_steep;
+mod meshes;
+mod project_order;

@@ -1,0 +1,264 @@
+//! The bound of [`Step::ErrorBound`]: no component of a pixel is further from the truth than asked for.
+
+use crate::common;
+
+use std::sync::Arc;
+
+use common::{down, homogeneous, oblique, transfer, volume};
+use glam::DVec3;
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};
+use vr_core::*;
+use vr_physics::check::FixedLayer;
+use vr_physics::check::{TestScene, strategies};
+use vr_physics::{Certainty, Reference, cases};
+use vr_raycast::{CompositingOrder, Precision, RayCaster, Rule, Step, Traversal};
+
+const ERRORS: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
+
+fn promising(error: f64) -> RayCaster {
+    RayCaster { step: Step::ErrorBound(error), ..RayCaster::default() }
+}
+
+/// Comparison of a picture with the correct one.
+#[derive(Debug)]
+struct Judged {
+    /// The largest error, relative to max(1, largest magnitude), of pixels of which the truth is known to a tenth of what is asked for.
+    worst: f64,
+    /// Pixels further off than asked for.
+    beyond: u64,
+    /// Pixels whose correct value is not known that well.
+    unknown: u64,
+    counts: Counts,
+}
+
+/// `None` if the caster says that it has no bound for such scenes.
+fn judge(caster: &RayCaster, scene: &Scene, view: &View, error: f64) -> Option<Judged> {
+    let control = Control::default();
+    let rendered = match caster.prepare(scene, &control) {
+        Err(RenderError::Unsupported { .. }) => return None,
+        prepared => prepared.unwrap().render(view, &control).unwrap(),
+    };
+    let truth = Reference::new(0.02 * error).solve(scene, view, &Model::Canonical, &control).unwrap();
+    let peak = truth.pixels.iter().flat_map(|p| p.rgba).fold(1.0, |m: f64, x| m.max(x.abs()));
+    let mut judged = Judged { worst: 0.0, beyond: 0, unknown: 0, counts: rendered.stats.counts };
+    for (got, want) in rendered.frame.pixels().iter().zip(&truth.pixels) {
+        let Certainty::Bound(uncertain) = want.certainty else { panic!("the reference has a bound") };
+        if uncertain > 0.1 * error * peak {
+            judged.unknown += 1;
+            continue;
+        }
+        let off = (0..4).map(|c| (f64::from(got[c]) - want.rgba[c]).abs()).fold(0.0, f64::max) / peak;
+        assert!(off.is_finite(), "{got:?}");
+        // The uncertainty of the reference does not count against the caster.
+        if off > error + uncertain / peak {
+            judged.beyond += 1;
+        } else {
+            judged.worst = judged.worst.max(off);
+        }
+    }
+    Some(judged)
+}
+
+fn scenes(seed: u64, count: usize, strategy: impl Strategy<Value = TestScene>) -> Vec<TestScene> {
+    let rng_seed = RngSeed::Fixed(seed);
+    let config =
+        Config { rng_algorithm: RngAlgorithm::ChaCha, rng_seed, failure_persistence: None, ..Config::default() };
+    let mut runner = TestRunner::new(config);
+    (0..count).map(|_| strategy.new_tree(&mut runner).unwrap().current()).collect()
+}
+
+/// Any scene of those that there are bounds for.
+fn bounded(test: TestScene, pick: usize) -> TestScene {
+    let filter = if pick.is_multiple_of(4) { Filter::Nearest } else { Filter::Trilinear };
+    let compositing = match test.scene.compositing {
+        accumulate @ Compositing::Accumulate { .. } => accumulate,
+        _ => Compositing::Over,
+    };
+    let scene = Scene { compositing, shading: None, ..test.scene.with_filter(filter) };
+    TestScene { scene, ..test }
+}
+
+#[test]
+fn random_scenes() {
+    let wild = scenes(11, 150, strategies::scene()).into_iter().enumerate().map(|(i, t)| bounded(t, i));
+    let tame = scenes(12, 60, strategies::tame_scene()).into_iter().enumerate().map(|(i, t)| bounded(t, 4 * i + 1));
+    let (mut pixels, mut unbounded, mut drawn, mut ratio) = (0, 0, 0, [0.0f64; 5]);
+    for test in wild.chain(tame) {
+        for (i, error) in ERRORS.into_iter().enumerate() {
+            let Some(j) = judge(&promising(error), &test.scene, &test.view, error) else { continue };
+            assert!(j.beyond <= j.counts.unbounded, "{error:e}: {j:?}\n{test:?}");
+            drawn += 1;
+            pixels += j.counts.rays;
+            unbounded += j.counts.unbounded;
+            ratio[i] = ratio[i].max(j.worst / error);
+        }
+    }
+    println!("{drawn} pictures, {pixels} rays, {unbounded} unbounded, worst error by promise {ratio:.2?}");
+    // Hardly any random ray touches a wall within the last bits.
+    assert!(drawn > 900 && unbounded <= 2, "{unbounded} unbounded of {pixels} in {drawn} pictures");
+}
+
+#[test]
+fn hard_cases() {
+    for case in cases::all() {
+        for error in ERRORS {
+            match judge(&promising(error), &case.scene, &case.view, error) {
+                None => println!("{:<18} {error:e} unsupported", case.name),
+                Some(j) => {
+                    println!(
+                        "{:<18} {error:e} worst {:.1e} beyond {} unknown {} unbounded {} repeated {} of {} rays, {} steps a ray",
+                        case.name,
+                        j.worst,
+                        j.beyond,
+                        j.unknown,
+                        j.counts.unbounded,
+                        j.counts.repeated,
+                        j.counts.rays,
+                        j.counts.samples / j.counts.rays.max(1)
+                    );
+                    assert_eq!((j.beyond, j.unknown, j.counts.unbounded), (0, 0, 0), "{} {error:e}: {j:?}", case.name);
+                }
+            }
+        }
+    }
+}
+
+/// A layer behind the volume is dimmed by it, and may be brighter than anything in it.
+#[test]
+fn layers_and_clips() {
+    let scene = Scene::new(
+        volume([9; 3], |x, y, z| 0.5 + 0.4 * (0.7 * x + 0.3 * y).sin() * (0.5 * z).cos()),
+        transfer(&[(0.1, [0.1, 0.9, 0.4], 0.05), (0.5, [0.9, 0.2, 0.1], 0.6), (0.9, [0.0, 0.5, 1.0], 0.2)], 2.0),
+    );
+    let mut view = oblique(&scene, 12);
+    let depth = |i: u32| if i.is_multiple_of(5) { f32::INFINITY } else { 16.0 + (i % 12) as f32 };
+    let scene = FixedLayer::new(&view, |i| ([3.0, 0.5, 0.1], depth(i))).among(&scene);
+    view.clip.planes.push(Plane { normal: DVec3::new(1.0, 0.4, 0.2), offset: 4.3 });
+    for error in ERRORS {
+        let j = judge(&promising(error), &scene, &view, error).unwrap();
+        assert_eq!((j.beyond, j.unknown, j.counts.unbounded), (0, 0, 0), "{error:e}: {j:?}");
+    }
+}
+
+/// Labels with walls among them: the field reaches a wall's value exactly at the samples, so that walls begin at faces of cells.
+#[test]
+fn labels() {
+    let dims = [13; 3];
+    let label = |x: usize, y: usize, z: usize| (((x / 3) * 7 + (y / 4) * 3 + (z / 3) * 5) % 5) as u8;
+    let samples: Vec<u8> = (0..13 * 13 * 13).map(|i| label(i % 13, i / 13 % 13, i / 169)).collect();
+    let placement = Placement::from_spacing([1.0, 0.8, 1.3]).unwrap();
+    let grid = UniformGrid::new(dims, samples, placement, Calibration::default()).unwrap();
+    let points = [
+        (1.0, [0.0; 3], 0.0),
+        (1.0, [0.2, 0.9, 0.3], 0.1),
+        (2.0, [0.2, 0.9, 0.3], 0.1),
+        (2.0, [0.9, 0.3, 0.3], 0.4),
+        (4.0, [0.9, 0.3, 0.3], 0.4),
+        (4.0, [0.3, 0.3, 0.9], 1.0),
+    ];
+    for filter in [Filter::Nearest, Filter::Trilinear] {
+        let scene = Scene::new(grid.clone().into(), transfer(&points, 1.0)).with_filter(filter);
+        let view = oblique(&scene, 24);
+        for error in ERRORS {
+            let j = judge(&promising(error), &scene, &view, error).unwrap();
+            // The samples at the far faces of the box are a layer of their own: where they are 4, a ray touches a wall for no length.
+            assert!(j.beyond == 0 && j.counts.unbounded <= j.unknown && j.unknown < 4, "{filter} {error:e}: {j:?}");
+            assert!(filter == Filter::Trilinear || j.unknown == 0);
+        }
+    }
+}
+
+/// A field that only touches the value of a wall, at its largest samples, does not enter it. The caster proves that unless calibration
+/// rounds; then it counts the rays as unbounded, and no others.
+#[test]
+fn what_has_no_bound_is_counted() {
+    let points = [(0.0, [1.0, 0.5, 0.2], 0.1), (1.0, [1.0, 0.5, 0.2], 0.2), (1.0, [0.0, 1.0, 0.0], 1.0)];
+    let scene = |slope: f64| {
+        let layer = |z: f64| 1.0 - (z - 4.0).abs() / 8.0 - if z > 4.0 { 0.1 } else { 0.0 };
+        let samples: Vec<f32> = (0..9 * 9 * 9).map(|i| (layer(f64::from(i / 81)) / slope) as f32).collect();
+        let placement = Placement::from_spacing([1.0; 3]).unwrap();
+        let grid = UniformGrid::new([9; 3], samples, placement, Calibration { slope, intercept: 0.0 }).unwrap();
+        Scene::new(grid.into(), transfer(&points, 1.0))
+    };
+    // Every ray crosses the plane in which the field is exactly 1.
+    let view = oblique(&scene(1.0), 16);
+    let known = judge(&promising(1e-3), &scene(1.0), &view, 1e-3).unwrap();
+    assert_eq!((known.beyond, known.unknown, known.counts.unbounded), (0, 0, 0), "{known:?}");
+    let render = |view: &View| common::render(&promising(1e-3), &scene(0.1), view);
+    let through = render(&view);
+    assert!(through.stats.counts.unbounded > 50, "{:?}", through.stats.counts);
+    assert!(through.frame.pixels().iter().flatten().all(|x| x.is_finite()));
+    // No ray does.
+    let clip = Clip { planes: vec![Plane { normal: -DVec3::Z, offset: -3.999 }], ..Clip::default() };
+    assert_eq!(render(&View { clip, ..view }).stats.counts.unbounded, 0);
+}
+
+#[test]
+fn coarser_promises_take_fewer_steps() {
+    let case = cases::by_name("marschner-lobb").unwrap();
+    let steps = ERRORS.map(|e| common::render(&promising(e), &case.scene, &case.view).stats.counts);
+    let double = |e| RayCaster { precision: Precision::F64, ..promising(e) };
+    let steps_in_f64 = ERRORS.map(|e| common::render(&double(e), &case.scene, &case.view).stats.counts);
+    assert!(steps_in_f64.windows(2).all(|w| w[0].samples < w[1].samples), "{steps_in_f64:?}");
+    assert!(steps_in_f64.iter().all(|c| c.repeated == 0));
+    assert!(steps[0].repeated == 0 && steps[4].repeated > 0, "{steps:?}");
+}
+
+#[test]
+fn the_picture_does_not_depend_on_threads() {
+    let case = cases::by_name("camera-inside").unwrap();
+    let on = |threads| {
+        let control = Control::default().with_threads(threads);
+        promising(1e-5).prepare(&case.scene, &control).unwrap().render(&case.view, &control).unwrap().frame
+    };
+    assert_eq!(on(1), on(3));
+}
+
+#[test]
+fn what_has_no_bound_at_all_is_refused() {
+    let control = Control::default();
+    let scene = Scene::new(volume([3; 3], |x, _, _| x / 2.0), homogeneous(0.1));
+    let refused = |scene: &Scene| match promising(1e-3).prepare(scene, &control) {
+        Err(RenderError::Unsupported(Unsupported { what: feature, .. })) => feature,
+        other => panic!("{:?}", other.err()),
+    };
+    let emitting = ControlPoint { emission: Some([1.0; 3]), ..ControlPoint::new(0.0, [0.0; 3], 0.1) };
+    let emitting = TransferFunction::new(vec![emitting], OpacityRule::Power, 1.0).unwrap();
+    let accumulate = Compositing::Accumulate { level: 0.5 };
+    for (scene, word) in [
+        (Scene { compositing: Compositing::Maximum, ..scene.clone() }, "maximum"),
+        (Scene { compositing: Compositing::First { threshold: 0.5 }, ..scene.clone() }, "first"),
+        (scene.with_filter(Filter::BSpline), "bspline"),
+        (Scene { shading: Some(Arc::default()), ..scene.clone() }, "shading"),
+        (Scene { compositing: accumulate, transfer: Arc::new(emitting), ..scene.clone() }, "emission"),
+    ] {
+        assert!(refused(&scene).contains(word), "{word}");
+    }
+    // The floor.
+    for error in [9e-7, 0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let Err(RenderError::Option(e)) = promising(error).prepare(&scene, &control) else { panic!("{error}") };
+        let e = e.to_string();
+        assert!(e.contains("max-error") && e.contains("1e-6"), "{e}");
+    }
+    assert!(promising(1e-6).prepare(&scene, &control).is_ok());
+    // What the promise decides by itself.
+    for caster in [
+        RayCaster { rule: Rule::Left, ..promising(0.1) },
+        RayCaster { traversal: Traversal::Cells, ..promising(0.1) },
+        RayCaster { order: CompositingOrder::BackToFront, ..promising(0.1) },
+        RayCaster { order: CompositingOrder::FrontToBack { termination: 0.5 }, ..promising(0.1) },
+    ] {
+        assert!(matches!(caster.prepare(&scene, &control), Err(RenderError::Option(_))), "{caster:?}");
+    }
+}
+
+/// One ray, known in closed form: a slab behind a wall of missing samples.
+#[test]
+fn a_slab() {
+    let field = |_: f64, _: f64, z: f64| if z > 6.0 { f64::NAN } else { 0.5 };
+    let scene = Scene::new(volume([9; 3], field), homogeneous(0.1));
+    let (got, _) = common::pixel(&promising(1e-6), &scene, &down(3.3, 4.4));
+    common::assert_close(got, [1.0 - 0.9f64.powi(6); 4], 1e-6, "six of eight cells");
+}

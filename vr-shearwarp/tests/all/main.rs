@@ -1,0 +1,10 @@
+//! Tests of the crate from outside, in one program: it is linked once, and its tests run side by side.
+
+mod checks;
+mod depths;
+mod first;
+mod gradients;
+mod random_scenes;
+mod shading;
+mod surfaces;
+mod turntable;
