@@ -211,7 +211,7 @@ fn shared_meshes_are_what_other_programs_find() {
 }
 
 fn small_enzo(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/small_grids/enzo").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/all/small_grids/enzo").join(name)
 }
 
 /// The small mesh as h5py wrote it; the finer grid has its ghost zones.

@@ -8,7 +8,7 @@ use vr_core::{Calibration, Voxel, with_grid};
 use vr_io::{Loaded, ReadOptions, read};
 
 fn small(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/small_grids").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/all/small_grids").join(name)
 }
 
 fn load(name: &str, options: &ReadOptions) -> Loaded {

@@ -93,13 +93,14 @@ impl SegmentTable {
                 let values = [values[0].load(simd), values[1].load(simd), values[2].load(simd)];
                 let [first, second] = self.two(simd, values, [length[0].load(simd), length[1].load(simd)]);
                 *light = [in_lanes(first), in_lanes(second)];
-                let met = self.met(simd, values, splat(simd, 0.0)) & live;
-                if met != 0 {
-                    let values = [Lanes::new(values[0]), Lanes::new(values[1]), Lanes::new(values[2])];
-                    for i in (0..LANES).filter(|i| met >> i & 1 == 1) {
-                        let at = [values[0].0[i], values[1].0[i], values[2].0[i]];
-                        set(&mut light[0], i, self.table.segment(at[0], at[1], length[0].0[i]));
-                        set(&mut light[1], i, self.table.segment(at[1], at[2], length[1].0[i]));
+                // Walls are integrated one by one. Each stretch is judged by itself: no bit of its light depends on the one that it shares the call with.
+                for k in 0..2 {
+                    let met = self.met(simd, [values[k], values[k + 1], values[k + 1]], splat(simd, 0.0)) & live;
+                    if met != 0 {
+                        let (front, back) = (Lanes::new(values[k]), Lanes::new(values[k + 1]));
+                        for i in (0..LANES).filter(|i| met >> i & 1 == 1) {
+                            set(&mut light[k], i, self.table.segment(front.0[i], back.0[i], length[k].0[i]));
+                        }
                     }
                 }
             },
