@@ -15,7 +15,7 @@ pub fn nothing_beside(_: &Path) {}
 
 /// A file of the tests of `vr-io`.
 fn kept(name: &str) -> Vec<u8> {
-    let path: PathBuf = [env!("CARGO_MANIFEST_DIR"), "../vr-io/tests", name].iter().collect();
+    let path: PathBuf = [env!("CARGO_MANIFEST_DIR"), "../vr-io/tests/all", name].iter().collect();
     std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
