@@ -193,7 +193,12 @@ mod tests {
         let outcome = catch_unwind(AssertUnwindSafe(|| control.cancellable(|| resume_unwind(Box::new("a panic")))));
         assert_eq!(*outcome.unwrap_err().downcast::<&str>().unwrap(), "a panic");
         control.cancel_flag().store(true, Ordering::Relaxed);
-        let caught = || catch_stopped(|| Ok::<_, Stopped>(poll()));
+        let caught = || {
+            catch_stopped(|| {
+                poll();
+                Ok::<_, Stopped>(())
+            })
+        };
         assert_eq!(control.cancellable(caught), Ok(Err(Cancelled.into())));
     }
 }

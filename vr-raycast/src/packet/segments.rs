@@ -102,6 +102,8 @@ pub(crate) fn segments<S: Simd, T: PacketField>(
             let step_behind = Stretch { at: behind, length: length_behind, live: follows };
             let [light, light_behind] = look(simd, medium, steps, lights, &ray, &values, [step, step_behind], stages);
             end = pick(sums.add_up_to(simd, medium.level, live, [at, length], light), never, end);
+            // A ray ends after the step that leaves too little of it, whichever step shares the round.
+            end = pick((sums.clear(simd) * max_light).simd_le(negligible), never, end);
             let goes_on = follows & end.simd_gt(never);
             let reached = sums.add_up_to(simd, medium.level, goes_on, [behind, length_behind], light_behind);
             end = pick(reached, never, end);
