@@ -40,7 +40,7 @@ impl<'a> AnyField<'a> {
     }
 }
 
-/// Runs code for what a [`ByType`](crate::vector::ByType) holds, whatever its type.
+/// Runs code for what a `ByType` holds, whatever its type.
 #[macro_export]
 macro_rules! with_any {
     ($any:expr, $thing:ident => $body:expr) => {

@@ -29,7 +29,7 @@ pub struct RowMixture {
 pub struct StepOptics {
     /// Stored numbers.
     pub value: Lanes,
-    /// (r, g, b, κ): a row of an [`OpticsTable`](super::OpticsTable).
+    /// (r, g, b, κ): a row of an `OpticsTable`.
     pub row: [Lanes; 4],
     /// Length, in the table's unit.
     pub length: Lanes,

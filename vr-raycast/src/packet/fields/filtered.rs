@@ -97,7 +97,7 @@ fn is_plain(volume: &GridVolume, colors: Option<&ColorGrid>, gradient: GradientM
 }
 
 impl<'a> FilteredField<'a> {
-    /// Returns the field of a volume, with the colours of its voxels, if they have any; `None` where a [`Field`] of the voxels' type is all that it takes,
+    /// Returns the field of a volume, with the colours of its voxels, if they have any; `None` where a [`Field`](vr_kernels::vector::Field) of the voxels' type is all that it takes,
     /// and of a volume that [packets cannot sample](can_sample).
     pub(crate) fn new(volume: &'a GridVolume, colors: Option<&'a ColorGrid>, gradient: GradientMethod) -> Option<Self> {
         if is_plain(volume, colors, gradient) {
