@@ -6,7 +6,8 @@ use crate::point_set::PointSet;
 
 /// Sums of a mean at a place.
 ///
-/// What is carried counts from what one of the points carries: where all carry the same, the mean is that and its gradient 0, to the last bit.
+/// Each point adds its difference from one of them, the base. If all points carry the same value, the mean is exactly that value and its gradient
+/// is exactly 0.
 #[derive(Clone, Copy, Debug)]
 struct MeanSums<const N: usize> {
     base: [f64; N],
@@ -53,7 +54,7 @@ impl PointSet {
     /// The gradient of the mean, (Σ w (v − mean) ∇W) / Σ w W by the quotient rule; `None` in vacuum.
     pub(crate) fn mean_gradient_at(&self, at: DVec3) -> Option<DVec3> {
         let sums = self.mean_sums(at, |k| [f64::from(self.values()[k])])?;
-        // Where all points carry the same, and where kernels vanish by rounding, there is none.
+        // There is no gradient if all points carry the same value, or if all kernels round to 0.
         if sums.low == sums.high || sums.weight <= 0.0 {
             return Some(DVec3::ZERO);
         }

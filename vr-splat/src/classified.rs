@@ -25,7 +25,7 @@ pub(crate) struct Classified {
     pub(crate) resolved: bool,
     /// The ramps themselves, for points whose table does not tell them apart.
     pub(crate) ramps: Option<Ramps>,
-    /// What points carry, where their field is a mean or they have colours.
+    /// Values and colours of the points to be averaged; `None` where values are summed and points have no colours.
     pub(crate) mixture: Option<PointMixture>,
 }
 

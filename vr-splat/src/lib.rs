@@ -49,7 +49,7 @@
 //! A [`vr_core::PointSet`] brings kernels and radii of its own. Values are summed and classified sheet by sheet, or, with
 //! [`Classification::Pre`](vr_core::Classification::Pre), each point is classified by its value and what it emits and absorbs is spread: κ(x) = Σ wₖ κ(vₖ) Wₖ(x).
 //!
-//! Where the field is their weighted mean ([`vr_core::PointMixing::Mean`]), or they have colours, each sheet sums weights besides, and its value is
+//! For a weighted mean ([`vr_core::PointMixing::Mean`]), and for points with colours, each sheet also sums the weights. Its value is then
 //! Σ wₖ vₖ ∫Wₖ / Σ wₖ ∫Wₖ over what supports cover, its colour likewise, its gradient by the quotient rule: of the order 2 in the distance of sheets within
 //! the supports, of the order 1 where a mean begins with a jump. At the rim of supports, where all kernels are below 10⁻⁶ of their integral, they count as that.
 //!

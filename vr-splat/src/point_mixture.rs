@@ -1,4 +1,4 @@
-//! What points carry where their field is a mean, or they have colours: sheets hold the sums of weights besides, by which sums are divided.
+//! Values and colours of points that are averaged: sheets sum their weights as well, and other sums are divided by these.
 
 use vr_core::{PointMixing, PointSet};
 
@@ -12,10 +12,30 @@ pub(crate) struct PointMixture {
     pub(crate) has_colors: bool,
 }
 
-/// Channels of a sheet of a mixture without gradients: the sum of values, what is covered (2), the sum of weights, those of colours (3).
-pub(crate) const PLAIN_CHANNELS: usize = 7;
-/// Channels with gradients: those of the values' sum come fourth (3), those of the weights' last (3).
-pub(crate) const SLOPED_CHANNELS: usize = 13;
+/// Places of a mixture's sums among the channels of a sheet. The first three are those of every sheet of points: the sum of values, and what is covered.
+#[derive(Clone, Copy)]
+pub(crate) struct MixtureChannels {
+    /// Gradient of the sum of values (3), where light depends on it.
+    pub(crate) slope: usize,
+    /// Sum of weights.
+    pub(crate) weight: usize,
+    /// Sums of red, green and blue.
+    pub(crate) color: usize,
+    /// Gradient of the sum of weights (3), where light depends on it.
+    pub(crate) thinning: usize,
+    /// Number of channels.
+    pub(crate) count: usize,
+}
+
+impl MixtureChannels {
+    /// Channels with gradients, or without.
+    #[inline(always)]
+    pub(crate) const fn new(sloped: bool) -> Self {
+        let gradient = if sloped { 3 } else { 0 };
+        let weight = 3 + gradient;
+        Self { slope: 3, weight, color: weight + 1, thinning: weight + 4, count: weight + 4 + gradient }
+    }
+}
 
 /// Kernel that points have at least in their supports, as a part of its integral: where f32 loses a section at the edge of a support, the mean is still one.
 pub(crate) const MIN_KERNEL: f32 = 1e-6;

@@ -1,10 +1,8 @@
 //! Both renderers against the reference where rays run along faces and edges of cells, through values that vary: parallel to them, and from an eye in their planes.
 
+use crate::meshes::{errors, mesh, transfer};
 #[allow(dead_code, reason = "each test file compiles the whole module")]
-use crate::meshes;
-
 use glam::DVec3;
-use meshes::{errors, mesh, transfer};
 use vr_cells::{CellMarcher, CellProjector};
 use vr_core::{Camera, Projection, Renderer, Scene, View};
 

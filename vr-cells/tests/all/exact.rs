@@ -1,9 +1,7 @@
 //! Both renderers against the reference: every operator, views from all sides and from inside, meshes with holes, rays along shared faces.
 
-use crate::meshes;
-
+use crate::meshes::{OPERATORS, errors, mesh, transfer, view};
 use glam::DVec3;
-use meshes::{OPERATORS, errors, mesh, transfer, view};
 use vr_cells::{CellMarcher, CellProjector};
 use vr_core::cells::{CellMesh, CellValues};
 use vr_core::{

@@ -1,10 +1,8 @@
 //! Both renderers against the reference with the eye among the cells: inside one, on a face, an edge or a vertex of several, and in a hollow of the mesh.
 
+use crate::meshes::{errors, mesh, transfer};
 #[allow(dead_code, reason = "each test file compiles the whole module")]
-use crate::meshes;
-
 use glam::DVec3;
-use meshes::{errors, mesh, transfer};
 use vr_cells::{CellMarcher, CellProjector};
 use vr_core::{Camera, Clip, Plane, Projection, Renderer, Scene, View};
 

@@ -1,10 +1,8 @@
 //! The marcher against the reference where extinction is steep: opaque peaks and jumps, seen from all sides and along the mesh's silhouette.
 
+use crate::meshes::errors;
 #[allow(dead_code, reason = "each test file compiles the whole module")]
-use crate::meshes;
-
 use glam::DVec3;
-use meshes::errors;
 use vr_cells::CellMarcher;
 use vr_core::cells::{CellMesh, CellValues};
 use vr_core::phantom::{MarschnerLobb, Phantom};

@@ -1,9 +1,7 @@
 //! The projector against the marcher, on meshes that are hard to sort and cells that are hard to draw.
 
-use crate::meshes;
-
+use crate::meshes::{errors, mesh, transfer, view};
 use glam::DVec3;
-use meshes::{errors, mesh, transfer, view};
 use vr_cells::{Attenuation, CellMarcher, CellProjector};
 use vr_core::cells::{CellMesh, CellValues};
 use vr_core::{

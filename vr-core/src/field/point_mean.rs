@@ -53,7 +53,7 @@ impl<'a> MeanPiece<'a> {
             limits: None,
             width: high - low,
         };
-        // Where all points carry the same, the mean is that.
+        // If all points carry the same value, the mean is that value.
         if low == high {
             return mean;
         }

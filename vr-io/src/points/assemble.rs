@@ -1,7 +1,7 @@
 //! Assembly of points from columns: radii, weights and values that a file holds, and assumptions for those that it lacks.
 
 use glam::DVec3;
-use vr_core::{PointSet, memory};
+use vr_core::{PointSet, memory, number_text};
 
 use super::neighbours;
 use super::roles::Roles;
@@ -128,7 +128,8 @@ fn colors(column: &Column, options: &PointOptions, notes: &mut Vec<String>) -> V
     let ends = || column.numbers.iter().fold([f64::MAX, f64::MIN], |[l, h], &x| [l.min(x), h.max(x)]);
     let [low, high] = options.color_range.unwrap_or_else(ends);
     let map = options.color_map.unwrap_or_default();
-    notes.push(format!("colours: '{}' from {low} to {high}, by {}", column.name, map.name()));
+    let ends = [low, high].map(number_text);
+    notes.push(format!("colours: '{}' from {} to {}, by {}", column.name, ends[0], ends[1], map.name()));
     let fraction = |x: f64| if high > low { (x - low) / (high - low) } else { 0.5 };
     column.numbers.iter().map(|&x| map.at(fraction(x)).map(|c| c.clamp(0.0, 1.0) as f32)).collect()
 }

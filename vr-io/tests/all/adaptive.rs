@@ -1,14 +1,13 @@
 //! Adaptive meshes of every format: small ones made here, refused where they make no sense, and real ones from `shared/data` (or
 //! `VR_TEST_DATA`), which are compared with what VTK and yt find in them.
 
-use crate::shared;
 use crate::small_amr;
 
 use std::path::{Path, PathBuf};
 
+use crate::shared::data;
+use crate::small_amr::{Folder, amrex, vthb};
 use glam::DVec3;
-use shared::data;
-use small_amr::{Folder, amrex, vthb};
 use vr_core::amr::AmrBlock;
 use vr_core::{AmrGrid, Field, Volume};
 use vr_io::{Endian, Loaded, ReadOptions, ScalarType, read};

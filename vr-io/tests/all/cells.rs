@@ -1,9 +1,7 @@
 //! Meshes of cells: small files of every form, told apart, chosen from, and refused where they make no sense.
 
-use crate::shared;
-
+use crate::shared::data;
 use glam::DVec3;
-use shared::data;
 use vr_core::cells::{CellMesh, CellValues};
 use vr_core::{Field, Volume};
 use vr_io::{CellsOrPoints, Loaded, ReadOptions, read};

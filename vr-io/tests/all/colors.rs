@@ -9,7 +9,7 @@ use vr_core::transfer::srgb_to_linear;
 use vr_core::{ColorGrid, ColorValue};
 use vr_io::{Loaded, ReadOptions, read};
 
-use tiny::{COUNT, DIMS, gzip};
+use crate::tiny::{COUNT, DIMS, gzip};
 
 /// Component `c` of voxel `i`.
 fn component(i: usize, c: usize) -> u8 {

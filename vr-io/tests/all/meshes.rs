@@ -4,8 +4,7 @@ use glam::DVec3;
 use vr_core::TriangleMesh;
 use vr_io::{FileError, FileErrorKind, LoadedMesh, is_mesh, read_mesh};
 
-use crate::small_meshes;
-use small_meshes::{CORNERS, FACES, obj, ply_binary, ply_text, stl_binary, stl_text};
+use crate::small_meshes::{CORNERS, FACES, obj, ply_binary, ply_text, stl_binary, stl_text};
 
 fn read(name: &str, bytes: impl AsRef<[u8]>) -> Result<LoadedMesh, FileError> {
     let folder = tempfile::tempdir().unwrap();

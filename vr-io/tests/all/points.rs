@@ -4,7 +4,7 @@ use glam::DVec3;
 use vr_io::{FileError, FileErrorKind, LoadedPoints, PointOptions, ReadOptions, read_points};
 
 use crate::small_points;
-use small_points::{POINTS, Packed, Stored, all_vtp, csv, npy, vtk_binary, vtk_text, vtp};
+use crate::small_points::{POINTS, Packed, Stored, all_vtp, csv, npy, vtk_binary, vtk_text, vtp};
 
 fn read(name: &str, bytes: impl AsRef<[u8]>) -> Result<LoadedPoints, FileError> {
     read_with(name, bytes, &PointOptions::default())

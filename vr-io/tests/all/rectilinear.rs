@@ -1,11 +1,8 @@
 //! Rectilinear grids of VTK in every form, parallel lists of them and of images, and what is refused.
 
-use crate::shared;
-use crate::small_points;
-
+use crate::shared::data;
+use crate::small_points::{Packed, Stored, base64, packed};
 use glam::DVec3;
-use shared::data;
-use small_points::{Packed, Stored, base64, packed};
 use vr_core::{Field, RectilinearGrid, Volume};
 use vr_io::{Loaded, ReadOptions, read};
 

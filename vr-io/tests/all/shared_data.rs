@@ -1,10 +1,8 @@
 //! Real and broken files from `shared/data` (or `VR_TEST_DATA`). Where they are absent, every test says so and passes.
 
-use crate::shared;
-
 use std::path::{Path, PathBuf};
 
-use shared::data;
+use crate::shared::data;
 use vr_core::{AnyGrid, GridError, GridVolume, VoxelType, with_grid};
 use vr_io::{
     FileError, FileErrorKind, FileInfo, Loaded, LoadedPoints, PointOptions, RawDescription, ReadOptions, ScalarType,

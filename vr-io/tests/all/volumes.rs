@@ -1,13 +1,11 @@
 //! Volumes in every format, type, encoding and arrangement of files that is read; and NRRD files that come back.
 
-use crate::tiny;
-
 use std::path::{Path, PathBuf};
 
-use glam::{DMat3, DVec3};
-use tiny::{
+use crate::tiny::{
     COUNT, DIMS, bzip2, expected, gzip, i16_bytes, join, metaimage, nifti_1, nifti_2, nrrd, sample, stored, zlib,
 };
+use glam::{DMat3, DVec3};
 use vr_core::{AnyGrid, Calibration, Placement, UniformGrid, Volume, VoxelType};
 use vr_io::{
     Endian, Loaded, NrrdEncoding, NrrdOptions, NrrdValues, RawDescription, ReadOptions, ScalarType, Space, Transform,

@@ -1,15 +1,13 @@
 //! Images of VTK, XML and legacy, in every encoding, and what is refused of them.
 
-use crate::small_images;
-use crate::small_points;
 use crate::tiny;
 
 use std::path::PathBuf;
 
+use crate::small_images::{Array, IMAGE, all_vti, halves, point_arrays, vti, vti_of, vtk};
+use crate::small_points::{Packed, Stored};
+use crate::tiny::{COUNT, DIMS, expected, sample, stored};
 use glam::DVec3;
-use small_images::{Array, IMAGE, all_vti, halves, point_arrays, vti, vti_of, vtk};
-use small_points::{Packed, Stored};
-use tiny::{COUNT, DIMS, expected, sample, stored};
 use vr_core::VoxelType;
 use vr_io::{Endian, Loaded, ReadOptions, ScalarType, Space, read};
 

@@ -8,15 +8,15 @@ use super::Field;
 /// One of five things, by the type of the voxels in it.
 #[derive(Clone, Copy, Debug)]
 pub enum ByType<A, B, C, D, E> {
-    /// Of bytes.
+    /// Unsigned bytes.
     U8(A),
-    /// Of signed bytes.
+    /// Signed bytes.
     I8(B),
-    /// Of 16 bits.
+    /// Unsigned numbers of 16 bits.
     U16(C),
-    /// Of 16 bits, signed.
+    /// Signed numbers of 16 bits.
     I16(D),
-    /// Of floats.
+    /// Floats of 32 bits.
     F32(E),
 }
 

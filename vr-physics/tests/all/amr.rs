@@ -1,8 +1,6 @@
 //! Adaptive meshes: a uniform grid as one, linear data, and brute force through the field's values alone.
 
-use crate::brute;
-
-use brute::{OPERATORS, agrees_with_brute_force, same_under_every_operator, transfer, view, waves};
+use crate::brute::{OPERATORS, agrees_with_brute_force, same_under_every_operator, transfer, view, waves};
 use glam::DVec3;
 use vr_core::amr::{AmrBlock, AmrCentring, AmrGrid, AmrSampling};
 use vr_core::field::FunctionField;

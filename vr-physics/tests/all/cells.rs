@@ -1,8 +1,6 @@
 //! Meshes of cells: closed forms, a function of the same values, and brute force through the field's values alone.
 
-use crate::brute;
-
-use brute::{OPERATORS, agrees_with_brute_force, same_under_every_operator, transfer, view, waves};
+use crate::brute::{OPERATORS, agrees_with_brute_force, same_under_every_operator, transfer, view, waves};
 use glam::DVec3;
 use vr_core::cells::{CellMesh, CellValues};
 use vr_core::field::FunctionField;

@@ -1,10 +1,8 @@
 //! Every filter, shading and compositing scheme against brute force: many samples through the public sampler, no polynomials.
 
-use crate::brute;
-
 use std::sync::Arc;
 
-use brute::transfer;
+use crate::brute::transfer;
 use glam::{DMat3, DVec3};
 use vr_core::field::{FunctionField, FunctionLine};
 use vr_core::filter::{Lattice, Reconstruction};

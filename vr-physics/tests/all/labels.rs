@@ -1,10 +1,8 @@
 //! Labelled grids: closed forms, and every filter against brute force through the field's values alone.
 
-use crate::brute;
-
 use std::sync::Arc;
 
-use brute::transfer;
+use crate::brute::transfer;
 use glam::{DMat3, DVec3};
 use vr_core::labels::{LabelMap, LabelStyle, LabelledGrid};
 use vr_core::{

@@ -1,8 +1,6 @@
 //! Rectilinear grids: brute force through the field's values alone, closed forms, and uniform grids of the same values.
 
-use crate::brute;
-
-use brute::{
+use crate::brute::{
     OPERATORS, agrees_with_brute_force, brute, difference, same_under_every_operator, solved, transfer, view, waves,
 };
 use glam::{DMat3, DVec3};

@@ -1,8 +1,6 @@
 //! Rays whose pixel is known in closed form.
 
-use crate::common;
-
-use common::*;
+use crate::common::*;
 use glam::DVec3;
 use vr_core::*;
 use vr_raycast::{CompositingOrder, Precision, RayCaster, Rule, Step, TransferLookup};

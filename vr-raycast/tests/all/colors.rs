@@ -1,15 +1,12 @@
 //! Grids whose voxels have colours, against the reference.
 
-use crate::common;
-
 use std::sync::Arc;
 
-use common::{oblique, render, truth};
+use crate::common::{oblique, oblique_error, render};
 use vr_core::{
     ColorGrid, Compositing, ControlPoint, Feature, Filter, OpacityRule, Placement, RenderError, Renderer, Scene,
     Shading, TransferFunction, Unsupported,
 };
-use vr_physics::metrics::Metrics;
 use vr_raycast::{CompositingOrder, Precision, RayCaster, Rule, Step};
 
 /// A ball of smooth values in which the colours alternate from place to place.
@@ -30,12 +27,6 @@ fn scene(filter: Filter) -> Scene {
     Scene::new(colors.unwrap().into(), transfer).with_filter(filter)
 }
 
-fn error(scene: &Scene, caster: &RayCaster) -> Metrics {
-    let view = oblique(scene, 24);
-    let want: Vec<[f64; 4]> = truth(scene, &view).pixels().iter().map(|p| p.map(f64::from)).collect();
-    Metrics::of(&want, render(caster, scene, &view).frame.pixels())
-}
-
 /// The midpoint rule is of order 2: a quarter of the step, a sixteenth of the error.
 #[test]
 fn uniform_steps_converge_to_the_reference() {
@@ -46,7 +37,7 @@ fn uniform_steps_converge_to_the_reference() {
     for (name, scene) in [("plain", plain), ("shaded", shaded), ("modulated", modulated)] {
         for exact in [false, true] {
             let caster = |step| if exact { RayCaster::exact(step) } else { RayCaster::uniform(step) };
-            let [coarse, fine] = [0.8, 0.2].map(|step| error(&scene, &caster(step)));
+            let [coarse, fine] = [0.8, 0.2].map(|step| oblique_error(&scene, &caster(step)));
             // Termination and the table leave 10⁻⁴.
             assert!(fine.rmse < 5e-4 && fine.rmse < coarse.rmse / 8.0 + 5e-5, "{name}: {coarse}, then {fine}");
         }
@@ -59,7 +50,7 @@ fn the_default_is_near_the_reference() {
         let plain = scene(filter);
         let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..plain.clone() };
         for scene in [plain, shaded] {
-            let m = error(&scene, &RayCaster::default());
+            let m = oblique_error(&scene, &RayCaster::default());
             println!("{filter}, shaded {}: {m}", scene.shading.is_some());
             // At most 2.8e-5 was measured; steps aim at 5e-4 in their own right.
             assert!(m.rmse < 1e-4, "{filter}: {m}");
@@ -78,11 +69,11 @@ fn every_operator_has_the_colour_of_the_place() {
     for (compositing, most) in operators {
         let scene = Scene { compositing, ..scene(Filter::Trilinear) };
         // A smooth extreme's place is known to a step, and the colour changes by a tenth on that.
-        let m = error(&scene, &RayCaster::uniform(0.1));
+        let m = oblique_error(&scene, &RayCaster::uniform(0.1));
         assert!(m.rmse < most, "{}: {m}", compositing.name());
     }
     let backwards = RayCaster { order: CompositingOrder::BackToFront, ..RayCaster::uniform(0.1) };
-    let m = error(&scene(Filter::Trilinear), &backwards);
+    let m = oblique_error(&scene(Filter::Trilinear), &backwards);
     assert!(m.rmse < 3e-4, "back to front: {m}");
 }
 
@@ -94,7 +85,7 @@ fn an_emission_has_the_colour_of_the_place() {
         ..ControlPoint::new(value, [1.0; 3], 0.3 * e)
     });
     let transfer = TransferFunction::new(points.to_vec(), OpacityRule::Power, 1.0).unwrap();
-    let m = error(&Scene { transfer: Arc::new(transfer), ..scene }, &RayCaster::default());
+    let m = oblique_error(&Scene { transfer: Arc::new(transfer), ..scene }, &RayCaster::default());
     assert!(m.rmse < 1e-3, "{m}");
 }
 

@@ -1,8 +1,6 @@
 //! Tests how the error against the reference falls with the step: fitted orders, the default step on the phantoms, and the floor of f32.
 
-use crate::common;
-
-use common::*;
+use crate::common::*;
 use vr_core::phantom;
 use vr_core::*;
 use vr_raycast::{CompositingOrder, Precision, RayCaster, Rule, Step, TransferLookup};

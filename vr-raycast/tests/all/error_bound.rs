@@ -4,7 +4,7 @@ use crate::common;
 
 use std::sync::Arc;
 
-use common::{down, homogeneous, oblique, transfer, volume};
+use crate::common::{down, homogeneous, oblique, transfer, volume};
 use glam::DVec3;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;

@@ -6,21 +6,12 @@ use glam::DVec3;
 use vr_core::field::FunctionField;
 use vr_core::phantom::{self, Phantom};
 use vr_core::{
-    Camera, Compositing, Control, ControlPoint, Feature, Light, Model, OpacityRule, PointKernel, PointSet, RenderError,
-    Renderer, Scene, Shading, TransferFunction, Unsupported, View, Volume,
+    Compositing, Feature, Light, PointKernel, PointSet, RenderError, Renderer, Scene, Shading, TransferFunction,
+    Unsupported, Volume,
 };
-use vr_physics::Reference;
-use vr_physics::metrics::Metrics;
 use vr_raycast::{RayCaster, Step};
 
-fn error(scene: &Scene, caster: &RayCaster, fov: Option<f64>) -> Metrics {
-    let view = View::new(Camera::framing(scene.bounds(), 35.0, 25.0, fov), [16, 16]);
-    let control = Control::default();
-    let frame = caster.prepare(scene, &control).unwrap().render(&view, &control).unwrap().frame;
-    let solved = Reference::new(1e-7).solve(scene, &view, &Model::Canonical, &control).unwrap();
-    let pixels: Vec<[f64; 4]> = solved.pixels.iter().map(|p| p.rgba).collect();
-    Metrics::of(&pixels, frame.pixels())
-}
+use crate::common::{self, framed_error};
 
 fn waves() -> FunctionField {
     let value = |p: DVec3| 0.5 + 0.5 * (4.0 * p.x).sin() * (3.0 * p.y).cos() * (2.0 * p.z + 0.3).sin();
@@ -33,9 +24,7 @@ fn waves() -> FunctionField {
 }
 
 fn transfer() -> TransferFunction {
-    let points = [(0.2, [0.1, 0.3, 0.9], 0.0), (0.6, [0.9, 0.7, 0.2], 0.2), (1.0, [1.0; 3], 0.5)];
-    let points = points.map(|(value, color, opacity)| ControlPoint::new(value, color, opacity));
-    TransferFunction::new(points.to_vec(), OpacityRule::Power, 0.1).unwrap()
+    common::transfer(&[(0.2, [0.1, 0.3, 0.9], 0.0), (0.6, [0.9, 0.7, 0.2], 0.2), (1.0, [1.0; 3], 0.5)], 0.1)
 }
 
 /// The midpoint rule is of order 2: half the step, a quarter of the error.
@@ -45,7 +34,7 @@ fn functions_converge_to_the_reference() {
     let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..scene.clone() };
     for scene in [scene, shaded] {
         for fov in [None, Some(40.0)] {
-            let [coarse, fine] = [2.0, 0.5].map(|step| error(&scene, &RayCaster::uniform(step), fov));
+            let [coarse, fine] = [2.0, 0.5].map(|step| framed_error(&scene, &RayCaster::uniform(step), fov));
             assert!(fine.rmse < 1e-4 && fine.rmse < coarse.rmse / 8.0, "{coarse}, then {fine}");
         }
     }
@@ -62,7 +51,7 @@ fn functions_are_drawn_under_every_operator() {
         Compositing::Accumulate { level: 0.5 },
     ];
     for compositing in operators {
-        let m = error(
+        let m = framed_error(
             &Scene { compositing, ..scene.clone() },
             &RayCaster { step: Step::Uniform(0.2), ..RayCaster::default() },
             None,
@@ -78,7 +67,7 @@ fn phantoms_without_samples_are_the_limit_of_those_with() {
     let field = FunctionField::of_phantom(Arc::from(phantom::by_name("hydrogen").unwrap()));
     let scene = phantom::Hydrogen.scene(33).unwrap();
     let function = Scene { volume: field.into(), ..scene.clone() };
-    let m = error(&function, &RayCaster::default(), None);
+    let m = framed_error(&function, &RayCaster::default(), None);
     assert!(m.rmse < 1e-4, "{m}");
 }
 
@@ -87,7 +76,7 @@ fn points_are_a_field_like_any_other() {
     let positions = vec![DVec3::ZERO, DVec3::new(0.8, 0.2, -0.1), DVec3::new(-0.3, 0.9, 0.4)];
     let points = PointSet::new(positions, vec![1.0; 3], vec![1.0; 3], vec![1.0, 0.7, 0.4], PointKernel::CubicSpline);
     let scene = Scene::new(points.unwrap().into(), transfer());
-    let m = error(&scene, &RayCaster { step: Step::Uniform(0.1), ..RayCaster::default() }, Some(30.0));
+    let m = framed_error(&scene, &RayCaster { step: Step::Uniform(0.1), ..RayCaster::default() }, Some(30.0));
     assert!(m.rmse < 1e-3, "{m}");
 }
 
@@ -101,7 +90,7 @@ fn shaded_points_converge_to_the_reference() {
         for gradient_opacity in [vec![], vec![(0.0, 0.1), (1.0, 1.0)]] {
             let shading = Some(Arc::new(Shading { gradient_opacity, ..Shading::default() }));
             let scene = Scene { shading, lights: vec![Light::default()], ..plain.clone() };
-            let errors = [0.4, 0.1, 0.025].map(|step| error(&scene, &RayCaster::uniform(step), Some(30.0)).rmse);
+            let errors = [0.4, 0.1, 0.025].map(|step| framed_error(&scene, &RayCaster::uniform(step), Some(30.0)).rmse);
             println!("{kernel}: {errors:?}");
             assert!(errors[2] < 3e-4 && errors[2] < errors[0] / 8.0, "{kernel}: {errors:?}");
         }
@@ -115,7 +104,7 @@ fn shaded_points_converge_to_the_reference() {
         lights: vec![Light::default()],
         ..Scene::new(points.into(), transfer())
     };
-    let m = error(&first, &RayCaster::uniform(0.1), None);
+    let m = framed_error(&first, &RayCaster::uniform(0.1), None);
     assert!(m.rmse < 1e-3, "{m}");
 }
 

@@ -1,15 +1,12 @@
 //! Two-dimensional transfer functions, against the reference.
 
-use crate::common;
-
 use std::sync::Arc;
 
-use common::{oblique, render, truth};
+use crate::common::{oblique, oblique_error, render};
 use vr_core::{
     Compositing, ControlPoint, Feature, GradientMethod, OpacityRule, Placement, RenderError, Renderer, Scene, Shading,
     TransferFunction, UniformGrid, Unsupported, Volume,
 };
-use vr_physics::metrics::Metrics;
 use vr_raycast::{CompositingOrder, RayCaster, Rule, Step};
 
 /// A ball of 1 in a shell of ½ in nothing, as blurred as a scan is.
@@ -56,19 +53,13 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     ]
 }
 
-fn error(scene: &Scene, caster: &RayCaster) -> Metrics {
-    let view = oblique(scene, 24);
-    let want: Vec<[f64; 4]> = truth(scene, &view).pixels().iter().map(|p| p.map(f64::from)).collect();
-    Metrics::of(&want, render(caster, scene, &view).frame.pixels())
-}
-
 /// The midpoint rule is of order 2: a quarter of the step, a sixteenth of the error.
 #[test]
 fn uniform_steps_converge_to_the_reference() {
     for (name, scene) in scenes() {
         for exact in [false, true] {
             let caster = |step| if exact { RayCaster::exact(step) } else { RayCaster::uniform(step) };
-            let [coarse, fine] = [0.6, 0.15].map(|step| error(&scene, &caster(step)));
+            let [coarse, fine] = [0.6, 0.15].map(|step| oblique_error(&scene, &caster(step)));
             println!("{name}, exact {exact}: {coarse}, then {fine}");
             assert!(fine.rmse < 5e-4 && fine.rmse < coarse.rmse / 6.0 + 5e-5, "{name}: {coarse}, then {fine}");
         }
@@ -80,7 +71,7 @@ fn uniform_steps_converge_to_the_reference() {
 fn gradients_that_jump_converge_more_slowly() {
     let shading = Shading { gradient: GradientMethod::Analytic, ..Shading::default() };
     let scene = Scene { shading: Some(Arc::new(shading)), ..Scene::new(onion(), boundaries(false)) };
-    let [coarse, fine] = [0.8, 0.1].map(|step| error(&scene, &RayCaster::exact(step)));
+    let [coarse, fine] = [0.8, 0.1].map(|step| oblique_error(&scene, &RayCaster::exact(step)));
     println!("{coarse}, then {fine}");
     assert!(fine.rmse < coarse.rmse / 3.0, "{coarse}, then {fine}");
 }
@@ -88,7 +79,7 @@ fn gradients_that_jump_converge_more_slowly() {
 #[test]
 fn the_default_is_near_the_reference() {
     for (name, scene) in scenes() {
-        let m = error(&scene, &RayCaster::default());
+        let m = oblique_error(&scene, &RayCaster::default());
         println!("{name}: {m}");
         assert!(m.rmse < Step::ERROR, "{name}: {m}");
     }

@@ -1,8 +1,6 @@
 //! Long steps where the medium is nearly the same: what they may cost, and what they save.
 
-use crate::common;
-
-use common::*;
+use crate::common::*;
 use proptest::prelude::*;
 use vr_core::phantom::{self, sample};
 use vr_core::*;

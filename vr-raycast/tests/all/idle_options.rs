@@ -1,10 +1,8 @@
 //! Options without effect are refused, and say what would be right.
 
-use crate::common;
-
 use std::sync::Arc;
 
-use common::*;
+use crate::common::*;
 use glam::DVec3;
 use vr_core::field::FunctionField;
 use vr_core::*;
@@ -62,7 +60,7 @@ fn a_choice_that_is_not_honoured_is_refused() {
     }
 }
 
-/// What is picked or averaged is evaluated by default, too: asking for that is no mistake, nor are the words that leave the choice to the caster.
+/// Operators that pick or average evaluate the transfer function by default, so asking for that is allowed, and so is leaving the choice to the caster.
 #[test]
 fn a_choice_of_what_is_done_anyway_changes_nothing() {
     for compositing in

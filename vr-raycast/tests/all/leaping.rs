@@ -1,8 +1,6 @@
 //! Leaping over empty space, and coarse steps in it: the same picture, bit for bit, with less work.
 
-use crate::common;
-
-use common::*;
+use crate::common::*;
 use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;

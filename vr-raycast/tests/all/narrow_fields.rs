@@ -1,8 +1,6 @@
 //! Fields that are a few f32 numbers wide: where a transfer function jumps or turns inside them must be seen all the same.
 
-use crate::common;
-
-use common::*;
+use crate::common::*;
 use vr_core::*;
 use vr_raycast::{Precision, RayCaster, Rule, TransferLookup, Traversal, Vector};
 

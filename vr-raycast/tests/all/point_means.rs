@@ -3,22 +3,10 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use vr_core::{
-    Camera, Compositing, Control, ControlPoint, Light, Model, OpacityRule, PointKernel, PointMixing, PointSet,
-    Renderer, Scene, Shading, TransferFunction, View,
-};
-use vr_physics::Reference;
-use vr_physics::metrics::Metrics;
+use vr_core::{Compositing, Light, PointKernel, PointMixing, PointSet, Scene, Shading, TransferFunction};
 use vr_raycast::RayCaster;
 
-fn error(scene: &Scene, caster: &RayCaster, fov: Option<f64>) -> Metrics {
-    let view = View::new(Camera::framing(scene.bounds(), 35.0, 25.0, fov), [16, 16]);
-    let control = Control::default();
-    let frame = caster.prepare(scene, &control).unwrap().render(&view, &control).unwrap().frame;
-    let solved = Reference::new(1e-7).solve(scene, &view, &Model::Canonical, &control).unwrap();
-    let pixels: Vec<[f64; 4]> = solved.pixels.iter().map(|p| p.rgba).collect();
-    Metrics::of(&pixels, frame.pixels())
-}
+use crate::common::{self, framed_error};
 
 /// Three points in each other's supports, with colours.
 fn three(kernel: PointKernel, mixing: PointMixing) -> PointSet {
@@ -29,9 +17,7 @@ fn three(kernel: PointKernel, mixing: PointMixing) -> PointSet {
 }
 
 fn transfer() -> TransferFunction {
-    let points = [(0.2, [0.4, 0.6, 0.9], 0.0), (0.6, [0.9, 0.7, 0.5], 0.2), (1.0, [1.0; 3], 0.5)];
-    let points = points.map(|(value, color, opacity)| ControlPoint::new(value, color, opacity));
-    TransferFunction::new(points.to_vec(), OpacityRule::Power, 0.3).unwrap()
+    common::transfer(&[(0.2, [0.4, 0.6, 0.9], 0.0), (0.6, [0.9, 0.7, 0.5], 0.2), (1.0, [1.0; 3], 0.5)], 0.3)
 }
 
 #[test]
@@ -42,7 +28,8 @@ fn means_and_colours_converge_to_the_reference() {
                 Scene { lights: vec![Light::default()], ..Scene::new(three(kernel, mixing).into(), transfer()) };
             let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..plain.clone() };
             for scene in [plain, shaded] {
-                let errors = [0.4, 0.1, 0.025].map(|step| error(&scene, &RayCaster::uniform(step), Some(30.0)).rmse);
+                let errors =
+                    [0.4, 0.1, 0.025].map(|step| framed_error(&scene, &RayCaster::uniform(step), Some(30.0)).rmse);
                 println!(
                     "{kernel}, {mixing}, {}: {errors:?}",
                     if scene.shading.is_some() { "shaded" } else { "plain" }
@@ -75,7 +62,7 @@ fn values_and_colours_are_picked_of_means() {
     ];
     for compositing in operators {
         let scene = Scene { compositing, ..Scene::new(points.clone().into(), transfer()) };
-        let m = error(&scene, &RayCaster::uniform(0.02), None);
+        let m = framed_error(&scene, &RayCaster::uniform(0.02), None);
         println!("{}: {m}", compositing.name());
         // A step's own way from an extreme's place.
         assert!(m.rmse < 5e-3, "{}: {m}", compositing.name());

@@ -1,8 +1,6 @@
 //! Tests that the caster's account of one pixel is what it draws there.
 
-use crate::common;
-
-use common::*;
+use crate::common::*;
 use proptest::prelude::*;
 use vr_core::*;
 use vr_physics::cases;

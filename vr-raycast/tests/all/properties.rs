@@ -1,8 +1,6 @@
 //! Properties that must hold whatever the scene: checked on random ones, and on the hard ones by name.
 
-use crate::common;
-
-use common::*;
+use crate::common::*;
 use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use std::sync::Arc;

@@ -1,10 +1,8 @@
 //! Against the reference: every compositing operator, shaded and not, on a smooth scene and on the hard ones.
 
-use crate::common;
-
 use std::sync::Arc;
 
-use common::*;
+use crate::common::*;
 use vr_core::*;
 use vr_raycast::RayCaster;
 

@@ -1,11 +1,9 @@
 //! Integration rules as users meet them: hard cases, closed forms, floors, shading, holes, and what does not go together. Their orders are
 //! measured in f64, next to the rules themselves.
 
-use crate::common;
-
 use std::sync::Arc;
 
-use common::*;
+use crate::common::*;
 use vr_core::*;
 use vr_physics::Reference;
 use vr_physics::cases::Case;

@@ -2,7 +2,7 @@
 
 use crate::common;
 
-use common::{max_error, transfer};
+use crate::common::{max_error, transfer};
 use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};

@@ -1,8 +1,6 @@
 //! From cell to cell and from voxel to voxel.
 
-use crate::common;
-
-use common::*;
+use crate::common::*;
 use vr_core::*;
 use vr_physics::Reference;
 use vr_physics::cases::Case;

@@ -6,7 +6,7 @@ use vr_kernels::vector::{
     LANES, Lanes, Operator, StepOptics, opacity_of_depth, pick, source_weight, splat, step_light,
 };
 
-use crate::point_mixture::{MIN_SLOPE, SLOPED_CHANNELS};
+use crate::point_mixture::{MIN_SLOPE, MixtureChannels};
 use crate::shading::{Pieces, Slope};
 use crate::sheets::AT_LAYER;
 
@@ -43,8 +43,9 @@ impl Tile<'_> {
                     (covered, covered)
                 };
                 // Means are divided by weights.
+                let channels = MixtureChannels::new(shader.is_some());
                 let weights = match mixture {
-                    Some(_) => self.sheets[at + if shader.is_some() { 6 } else { 3 }].load(simd),
+                    Some(_) => self.sheets[at + channels.weight].load(simd),
                     None => divisor,
                 };
                 let is_mean = mixture.is_some_and(|mixture| mixture.is_mean);
@@ -97,7 +98,7 @@ impl Tile<'_> {
                     }
                 };
                 let tint = match mixture {
-                    Some(mixture) if mixture.has_colors => Some(self.tint(simd, at, weights)),
+                    Some(mixture) if mixture.has_colors => Some(self.tint(simd, at + channels.color, weights)),
                     _ => None,
                 };
                 match shader {
@@ -110,10 +111,10 @@ impl Tile<'_> {
                             // Values per unit of the view.
                             let mut mean = [Lanes::ZERO; 3];
                             for a in 0..3 {
-                                let mut slope = self.sheets[at + 3 + a].load(simd);
+                                let mut slope = self.sheets[at + channels.slope + a].load(simd);
                                 if is_mean {
                                     // By the quotient rule.
-                                    let thinning = value * self.sheets[at + 10 + a].load(simd);
+                                    let thinning = value * self.sheets[at + channels.thinning + a].load(simd);
                                     let rounding = slope.abs().max(thinning.abs()) * MIN_SLOPE;
                                     slope -= thinning;
                                     slope = pick(slope.abs().simd_gt(rounding), slope, zero);
@@ -149,10 +150,9 @@ impl Tile<'_> {
         self.retire(simd, number);
     }
 
-    /// The mean colour of what a sheet holds of points; white where it holds none.
+    /// Returns the mean colour of the points in a sheet, whose sums of colours begin at a channel; white where there are none.
     #[inline(always)]
-    fn tint<S: Simd>(&self, simd: S, at: usize, weights: f32x16<S>) -> [Lanes; 3] {
-        let first = at + self.channels.min(SLOPED_CHANNELS - 3) - 3;
+    fn tint<S: Simd>(&self, simd: S, first: usize, weights: f32x16<S>) -> [Lanes; 3] {
         let (one, there) = (splat(simd, 1.0), weights.simd_gt(splat(simd, 0.0)));
         let divisor = pick(there, weights, one);
         let mut tint = [Lanes::ZERO; 3];

@@ -5,7 +5,7 @@ use vr_kernels::vector::{LANES, Operator, OpticsTable};
 
 use crate::bins::Keyed;
 use crate::point_gradients::PointGradient;
-use crate::point_mixture::{PLAIN_CHANNELS, PointMixture, SLOPED_CHANNELS};
+use crate::point_mixture::{MixtureChannels, PointMixture};
 use crate::projection::SplatView;
 use crate::ramps::Ramps;
 use crate::shading::Shader;
@@ -52,7 +52,7 @@ pub(crate) enum Content<'a> {
         /// True if weights are divided out (of a grid), or the length that supports cover (of points): from the first one's front to the last one's
         /// back, in each sheet.
         normalised: bool,
-        /// What points carry, by the number that their splats do, where weights are summed, too.
+        /// Values and colours of points, by the numbers that their splats carry; `None` where sheets sum no weights.
         mixture: Option<&'a PointMixture>,
         /// Cells in which something can be seen at all.
         cells: Option<VisibleCells<'a>>,
@@ -158,7 +158,7 @@ impl Painter<'_> {
         self.shader().and_then(Shader::summed)
     }
 
-    /// What a splat adds to sheets: a value, and its optics or its colour.
+    /// Returns the value that a splat adds to sheets, and its optics or its colour.
     #[inline(always)]
     pub(super) fn carried(&self, splat: &Splat) -> (f32, [f32; 4]) {
         match &self.content {
@@ -180,8 +180,7 @@ impl Painter<'_> {
     pub(super) fn channels(&self) -> usize {
         match self.content {
             Content::Values { normalised: true, .. } => 2,
-            Content::Values { mixture: Some(_), shader: Some(_), .. } => SLOPED_CHANNELS,
-            Content::Values { mixture: Some(_), .. } => PLAIN_CHANNELS,
+            Content::Values { mixture: Some(_), shader, .. } => MixtureChannels::new(shader.is_some()).count,
             Content::Values { shader: Some(_), .. } => 6,
             Content::Values { .. } => 3,
             Content::Light(_) => 4,

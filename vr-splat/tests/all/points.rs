@@ -1,9 +1,7 @@
 //! Scattered points against the reference and against the renderer's own model.
 
-use crate::point_settings;
-
+use crate::point_settings::renderers;
 use glam::DVec3;
-use point_settings::renderers;
 use vr_core::Classification;
 use vr_core::phantom::{point_transfer_function, points_by_name};
 use vr_core::*;

@@ -1,11 +1,9 @@
 //! Shading of scattered points, and opacity by the gradient of their sum, against the reference and against the renderer's own model.
 
-use crate::point_settings;
-
 use std::sync::Arc;
 
+use crate::point_settings::renderers;
 use glam::DVec3;
-use point_settings::renderers;
 use vr_core::Classification;
 use vr_core::*;
 use vr_physics::check::pictures::*;

@@ -1,7 +1,5 @@
 //! A picture brick by brick is the picture through one texture, bit for bit: whatever the texture, the operator, the blend and the shading.
 
-use crate::every_setting;
-
 use std::sync::Arc;
 
 use proptest::prelude::*;
@@ -12,9 +10,8 @@ use vr_physics::check::pictures::*;
 use vr_physics::check::strategies::Kind;
 use vr_texslice::{Blend, Format, Proxy, TextureSlicer};
 
-use every_setting::{FORMATS, OPERATORS, layered, looks_of_view, random_scene};
+use crate::every_setting::{self, FORMATS, PROXIES, alike_in_every_setting, layered, random_scene};
 
-const PROXIES: [Proxy; 3] = [Proxy::Planes, Proxy::Shells, Proxy::Stacks];
 /// Mebibytes for bricks: all of those with the smallest texels, and three or so of those with the largest.
 const BUDGET: f64 = 0.06;
 
@@ -57,27 +54,11 @@ fn every_texture_operator_blend_and_shading() {
     let floats = holed(grey::<f32>());
     let (mut drawn, mut fragments) = (0, 0);
     for scene in [bytes, floats] {
-        for (k, view) in views(&scene).into_iter().enumerate() {
-            for (format, proxy) in FORMATS.iter().flat_map(|&f| PROXIES.map(|p| (f, p))) {
-                for (compositing, blend) in
-                    OPERATORS.iter().flat_map(|&c| [Blend::FrontToBack, Blend::BackToFront].map(|b| (c, b)))
-                {
-                    for scene in looks_of_view(&scene, k) {
-                        let scene = Scene { compositing, ..scene };
-                        // Slabs shorter than a voxel, and longer than a brick; of a stack two to a layer, and one.
-                        let slice_spacing = if k % 2 == 0 { 0.8 } else { 9.3 };
-                        let renderer =
-                            TextureSlicer { format, proxy, blend, slice_spacing, ..TextureSlicer::brute_force() };
-                        let Some([whole, bricks]) = both(&renderer, 8, &scene, &view) else { continue };
-                        let how = format!("{renderer:?} {compositing:?} {:?} {:?}", scene.shading, view.camera);
-                        assert!(whole.frame == bricks.frame, "{how}");
-                        assert_eq!(whole.stats.counts, bricks.stats.counts, "{how}");
-                        drawn += 1;
-                        fragments += bricks.stats.counts.samples;
-                    }
-                }
-            }
-        }
+        // Slabs shorter than a voxel, and longer than a brick; of a stack two to a layer, and one.
+        let spacing = |view| if view % 2 == 0 { 0.8 } else { 9.3 };
+        let in_both = |renderer: &TextureSlicer, scene: &Scene, view: &View| both(renderer, 8, scene, view);
+        let found = alike_in_every_setting(&scene, &views(&scene), spacing, in_both);
+        (drawn, fragments) = (drawn + found.0, fragments + found.1);
     }
     println!("{drawn} pictures in both ways, {fragments} fragments");
     assert!(drawn > 300 && fragments > 1_000_000, "{drawn} {fragments}");

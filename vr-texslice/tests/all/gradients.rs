@@ -9,7 +9,7 @@ use vr_core::*;
 use vr_physics::check::pictures::*;
 use vr_texslice::{Blend, Format, Proxy, TextureSlicer};
 
-use every_setting::{FORMATS, looks};
+use crate::every_setting::{FORMATS, looks};
 
 /// Bound of the RMSE of textures of light.
 const LIGHT_ERROR: f64 = 2.4e-2;

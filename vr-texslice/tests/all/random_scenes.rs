@@ -1,8 +1,6 @@
 //! Random scenes of every kind: errors fall with the step, models and updates hold.
 
-use crate::every_setting;
-
-use every_setting::by_slope;
+use crate::every_setting::by_slope;
 use proptest::prelude::*;
 use vr_core::{Compositing, Scene, View};
 use vr_physics::Reference;

@@ -1,7 +1,5 @@
 //! A picture slice by slice is the picture tile by tile, bit for bit: each slab's triangles are rasterised, and its fragments go through the same stages.
 
-use crate::every_setting;
-
 use std::sync::Arc;
 
 use proptest::prelude::*;
@@ -10,11 +8,10 @@ use vr_core::*;
 use vr_physics::check::TestScene;
 use vr_physics::check::pictures::*;
 use vr_physics::check::strategies::Kind;
-use vr_texslice::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
+use vr_texslice::{Blend, DrawOrder, Format, TextureSlicer};
 
-use every_setting::{FORMATS, OPERATORS, both, layered, looks_of_view, random_scene};
+use crate::every_setting::{self, FORMATS, PROXIES, alike_in_every_setting, both, layered, random_scene};
 
-const PROXIES: [Proxy; 3] = [Proxy::Planes, Proxy::Shells, Proxy::Stacks];
 /// Returns the pictures in both orders, tiles first; `None` if both orders refuse.
 fn in_both_orders(renderer: &TextureSlicer, scene: &Scene, view: &View) -> Option<[Rendered; 2]> {
     let of = |order| TextureSlicer { order, ..renderer.clone() };
@@ -34,27 +31,7 @@ fn views(scene: &Scene) -> Vec<View> {
 #[test]
 fn every_texture_operator_blend_and_proxy() {
     let scene = grey();
-    let (mut drawn, mut fragments) = (0, 0);
-    for (k, view) in views(&scene).into_iter().enumerate() {
-        for (format, proxy) in FORMATS.iter().flat_map(|&f| PROXIES.map(|p| (f, p))) {
-            for (compositing, blend) in
-                OPERATORS.iter().flat_map(|&c| [Blend::FrontToBack, Blend::BackToFront].map(|b| (c, b)))
-            {
-                for scene in looks_of_view(&scene, k) {
-                    let scene = Scene { compositing, ..scene };
-                    let renderer =
-                        TextureSlicer { format, proxy, blend, slice_spacing: 0.8, ..TextureSlicer::brute_force() };
-                    let Some([tiles, slices]) = in_both_orders(&renderer, &scene, &view) else { continue };
-                    let how = format!("{renderer:?} {compositing:?} {:?} {:?}", scene.shading, view.camera);
-                    assert!(tiles.frame == slices.frame, "{how}");
-                    // Nothing is left out, so the rasteriser has found every fragment, and none twice.
-                    assert_eq!(tiles.stats.counts, slices.stats.counts, "{how}");
-                    drawn += 1;
-                    fragments += slices.stats.counts.samples;
-                }
-            }
-        }
-    }
+    let (drawn, fragments) = alike_in_every_setting(&scene, &views(&scene), |_| 0.8, in_both_orders);
     println!("{drawn} pictures in both orders, {fragments} fragments");
     assert!(drawn > 300 && fragments > 1_000_000, "{drawn} {fragments}");
 }

@@ -25,6 +25,7 @@ use crate::caster::{CompositingOrder, EmptySpace, Precision, RayCaster, Rule, Tr
 use crate::leap::Visibility;
 use crate::pace::{Lengths, Pace};
 use crate::packet::level;
+use crate::packet::shading::world_shading;
 use crate::source::Source;
 use crate::table_range::{MAX_ROUNDING, field_range};
 use crate::tracer::{RaySample, Tracer};
@@ -116,14 +117,7 @@ impl PatchEngine {
         let visibility = leaps.then(|| Visibility::of_light(&scene.transfer, calibration, Some(&table), None));
         let pace = Pace { lengths, visibility };
         let volume = PatchVolume::new(&scene.volume, &pace, scene.reflection().is_some())?;
-        let shading = scene.reflection().map(|shading| PacketShading {
-            shading: Arc::clone(shading),
-            lights: scene.lights.clone(),
-            to_world: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-            modulation: None,
-            rows: None,
-            reflects: true,
-        });
+        let shading = world_shading(scene, Arc::default());
         Some(Self {
             volume,
             level,

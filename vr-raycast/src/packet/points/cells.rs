@@ -16,7 +16,7 @@ pub(super) struct NearPoint {
 
 /// Lists of the points whose supports reach into the cells of lattices: of small supports into small cells, and of large ones into larger cells.
 ///
-/// Without that, a set whose outermost supports hold whole regions of small cells would list those points in each of them.
+/// In small cells alone, a set whose outermost supports hold whole regions of them would list those points in each one.
 #[derive(Debug)]
 pub(super) struct PointCells {
     pub(super) levels: Vec<PointLevel>,
@@ -63,13 +63,12 @@ impl PointCells {
             };
             (SMALLEST..last).find(fits).unwrap_or(last)
         };
-        let of_points: Vec<u32> = points.radii().iter().map(|&radius| level_of(radius)).collect();
-        for shift in SMALLEST..=last {
-            let own: Vec<usize> = (0..points.count()).filter(|&k| of_points[k] == shift).collect();
-            if own.is_empty() {
-                continue;
-            }
-            let level = PointLevel::new(points, &own, (placement, dims), shift, MAX_ENTRIES - entries)?;
+        let mut by_level = vec![Vec::new(); last as usize + 1];
+        for (k, &radius) in points.radii().iter().enumerate() {
+            by_level[level_of(radius) as usize].push(k);
+        }
+        for (shift, own) in (0..).zip(&by_level).filter(|(_, own)| !own.is_empty()) {
+            let level = PointLevel::new(points, own, (placement, dims), shift, MAX_ENTRIES - entries)?;
             entries += level.points.len();
             levels.push(level);
         }

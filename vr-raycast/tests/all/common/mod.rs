@@ -2,6 +2,8 @@
 use glam::DVec3;
 use vr_core::*;
 use vr_physics::Reference;
+use vr_physics::check::pictures::error;
+use vr_physics::metrics::Metrics;
 use vr_raycast::RayCaster;
 
 /// A grid of f32 samples of a function of the index.
@@ -43,6 +45,16 @@ pub fn down(x: f64, y: f64) -> View {
 /// An oblique orthographic view of all of a scene.
 pub fn oblique(scene: &Scene, size: u32) -> View {
     View::new(Camera::framing(scene.volume.bounds(), 33.0, 21.0, None), [size, size])
+}
+
+/// Returns the error of an oblique picture of 24² pixels against the correct pixels.
+pub fn oblique_error(scene: &Scene, caster: &RayCaster) -> Metrics {
+    error(caster, scene, &oblique(scene, 24))
+}
+
+/// Returns the error of a picture of 16² pixels, parallel or with a field of view, against the correct pixels.
+pub fn framed_error(scene: &Scene, caster: &RayCaster, fov: Option<f64>) -> Metrics {
+    error(caster, scene, &View::new(Camera::framing(scene.bounds(), 35.0, 25.0, fov), [16, 16]))
 }
 
 /// A picture by default control.

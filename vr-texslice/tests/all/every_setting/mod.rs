@@ -7,10 +7,11 @@ use vr_core::*;
 use vr_physics::check::pictures::*;
 use vr_physics::check::strategies::{Kind, scene_of};
 use vr_physics::check::{FixedLayer, TestScene};
-use vr_texslice::{Format, TextureSlicer};
+use vr_texslice::{Blend, Format, Proxy, TextureSlicer};
 
 pub const FORMATS: [Format; 6] =
     [Format::Scalar, Format::PreIntegrated, Format::Compressed, Format::Rgba, Format::LuminanceAlpha, Format::Paletted];
+pub const PROXIES: [Proxy; 3] = [Proxy::Planes, Proxy::Shells, Proxy::Stacks];
 pub const OPERATORS: [Compositing; 6] = [
     Compositing::Over,
     Compositing::Accumulate { level: 0.3 },
@@ -131,4 +132,40 @@ pub fn layered(scene: &Scene, view: &View) -> Scene {
         ([0.3, 0.6, 0.1], (ray.direction.dot(middle - ray.origin)).max(0.2) as f32)
     };
     FixedLayer::new(view, pixel).among(scene)
+}
+
+/// Draws a scene in some views in two ways, in every format and kind of slices, under every operator and blend, and looking at gradients in all
+/// ways in turn. Pictures must be the same, bit for bit, and so must counts.
+///
+/// `spacing` is the distance of slices in each view; `both` draws a picture in both ways, `None` if both refuse. Returns the number of pictures and
+/// that of their fragments.
+pub fn alike_in_every_setting(
+    scene: &Scene,
+    views: &[View],
+    spacing: impl Fn(usize) -> f64,
+    both: impl Fn(&TextureSlicer, &Scene, &View) -> Option<[Rendered; 2]>,
+) -> (usize, u64) {
+    let (mut drawn, mut fragments) = (0, 0);
+    for (k, view) in views.iter().enumerate() {
+        for (format, proxy) in FORMATS.iter().flat_map(|&f| PROXIES.map(|p| (f, p))) {
+            for (compositing, blend) in
+                OPERATORS.iter().flat_map(|&c| [Blend::FrontToBack, Blend::BackToFront].map(|b| (c, b)))
+            {
+                for scene in looks_of_view(scene, k) {
+                    let scene = Scene { compositing, ..scene };
+                    let slice_spacing = spacing(k);
+                    let renderer =
+                        TextureSlicer { format, proxy, blend, slice_spacing, ..TextureSlicer::brute_force() };
+                    let Some([one, other]) = both(&renderer, &scene, view) else { continue };
+                    let how = format!("{renderer:?} {compositing:?} {:?} {:?}", scene.shading, view.camera);
+                    assert!(one.frame == other.frame, "{how}");
+                    // Nothing is left out, so both ways have found every fragment, and none twice.
+                    assert_eq!(one.stats.counts, other.stats.counts, "{how}");
+                    drawn += 1;
+                    fragments += other.stats.counts.samples;
+                }
+            }
+        }
+    }
+    (drawn, fragments)
 }
