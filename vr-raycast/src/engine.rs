@@ -5,9 +5,10 @@ use std::sync::Arc;
 use vr_core::{Feature, Placement, RenderError, Scene};
 
 use crate::capabilities::unsupported;
-use crate::caster::{RayCaster, Step, TransferLookup};
+use crate::caster::{Precision, RayCaster, Step, TransferLookup};
 use crate::error_bound::ErrorBound;
 use crate::pace::{Lengths, cells_of_parts};
+use crate::packet::level;
 use crate::packet::{PacketEngine, PatchEngine, PickEngine, PointEngine};
 use crate::render_tables::TablesByPrecision;
 use crate::source::Source;
@@ -82,7 +83,8 @@ impl Engine {
             });
         };
         if let Step::ErrorBound(error) = caster.step {
-            let error_bound = ErrorBound::new(error, scene, volume)?;
+            let packets = level::of(caster.vector).filter(|_| caster.precision == Precision::F32);
+            let error_bound = ErrorBound::new(error, scene, volume, packets)?;
             return Ok(Self::ErrorBound(Box::new(error_bound)));
         }
         let last = match last {

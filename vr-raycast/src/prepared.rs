@@ -158,6 +158,7 @@ impl PreparedCaster {
                     layer,
                     rays: Rays::new(view)?,
                     single,
+                    packets: error_bound.packets(view)?,
                 })
             }
         })

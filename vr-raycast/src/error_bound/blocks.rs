@@ -54,12 +54,23 @@ impl Blocks {
         }
     }
 
+    /// Returns the number of blocks along x, y, z.
+    pub(super) fn counts(&self) -> [usize; 3] {
+        self.counts
+    }
+
     pub(super) fn index(&self, block: [usize; 3]) -> usize {
         (block[2] * self.counts[1] + block[1]) * self.counts[0] + block[0]
     }
 
     pub(super) fn state(&self, index: usize) -> State {
         self.states[index]
+    }
+
+    /// Returns the difference of the largest and the smallest stored number of a block; 0 if it is all vacuum.
+    pub(super) fn span(&self, index: usize) -> f32 {
+        let [low, high] = self.ranges[index];
+        (high - low).max(0.0).next_up()
     }
 
     /// Extremes of the medium in a block that is filled.

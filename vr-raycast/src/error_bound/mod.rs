@@ -4,6 +4,7 @@ mod account;
 mod blocks;
 mod cubic;
 pub(crate) mod optics;
+mod packets;
 mod piece_by_piece;
 mod step;
 mod walk;
@@ -17,11 +18,15 @@ use vr_core::{
     VacuumCells, View, Voxel,
 };
 
+use vr_kernels::vector::LANES;
+
 use crate::capabilities::unsupported;
 use crate::tracer::{RaySample, Tracer};
 use account::{Account, Limits};
 use blocks::Blocks;
+use fearless_simd::Level;
 use optics::Optics;
+use packets::{BoundedPackets, PacketView};
 use piece_by_piece::Integral;
 use walk::Medium;
 
@@ -31,6 +36,8 @@ pub(crate) struct ErrorBound {
     pub(crate) volume: Arc<GridVolume>,
     optics: Optics,
     blocks: Blocks,
+    /// Packets; `None` where rays go one by one.
+    packets: Option<BoundedPackets>,
     error: f64,
     level: f64,
 }
@@ -65,25 +72,42 @@ impl ErrorBound {
         Ok(level)
     }
 
-    /// Prepares a scene for pictures of a largest error.
+    /// Prepares a scene for pictures of a largest error, by packets on vectors of a level where they are given.
     ///
     /// # Errors
     /// Same as for [`Self::check`].
-    pub(crate) fn new(error: f64, scene: &Scene, volume: &Arc<GridVolume>) -> Result<Self, RenderError> {
+    pub(crate) fn new(
+        error: f64,
+        scene: &Scene,
+        volume: &Arc<GridVolume>,
+        vectors: Option<Level>,
+    ) -> Result<Self, RenderError> {
         let level = Self::check(scene, volume)?;
         let (low, high) = volume.value_stats().range.unwrap_or_default();
         let largest = f64::from(low.abs().max(high.abs()));
         let optics = Optics::new(&scene.transfer, volume.calibration(), largest);
         let blocks = Blocks::new(volume, &optics);
-        Ok(Self { volume: Arc::clone(volume), optics, blocks, error, level })
+        // A ray that is cut needs more than the account of its sum.
+        let packets = vectors.filter(|_| level >= 1.0).and_then(|v| BoundedPackets::new(v, volume, &optics, &blocks));
+        Ok(Self { volume: Arc::clone(volume), optics, blocks, packets, error, level })
+    }
+
+    /// Error that a ray may have: less what storing a pixel as f32 takes.
+    fn ray_error(&self) -> f64 {
+        let error = self.error * (1.0 - 1e-3) - f64::from(f32::EPSILON);
+        // A ray that is cut: see the README.
+        if self.level < 1.0 { error / 3.0 } else { error }
+    }
+
+    /// Prepares packets for a view, where there are any.
+    pub(crate) fn packets(&self, view: &View) -> Result<Option<PacketView<'_>>, RenderError> {
+        let prepared = self.packets.as_ref();
+        Ok(prepared.map(|packets| PacketView::new(packets, &self.volume, view, self.ray_error())).transpose()?)
     }
 
     fn limits(&self) -> Limits {
-        // What storing a pixel as f32 takes.
-        let error = self.error * (1.0 - 1e-3) - f64::from(f32::EPSILON);
         Limits {
-            // A ray that is cut: see the README.
-            error: if self.level < 1.0 { error / 3.0 } else { error },
+            error: self.ray_error(),
             level: self.level,
             brightest: self.optics.brightest,
             emits: self.optics.emits,
@@ -100,33 +124,60 @@ pub(crate) struct BoundedRays<'a> {
     pub(crate) rays: Rays,
     /// True if f32 is tried first.
     pub(crate) single: bool,
+    /// Packets, which come before that.
+    pub(crate) packets: Option<PacketView<'a>>,
 }
 
 impl Tracer for BoundedRays<'_> {
     fn trace(&self, spots: &[ImageSample], _: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
         let mut stages = Stages::default();
-        for spot in spots {
-            values.push(self.ray(spot, &mut stages, counts));
+        for spots in spots.chunks(LANES) {
+            let mut traced = [RaySample::NOTHING; LANES];
+            let mut open = u32::MAX;
+            if let Some(packets) = self.packets.as_ref().filter(|_| stages.packets.is_worth_while()) {
+                let before = counts.rays;
+                let seen = (self.view, self.layer);
+                open = packets.trace(self.volume, &self.rays, seen, spots, &mut traced[..spots.len()], counts);
+                let failed = open.count_ones();
+                stages.packets.tried += (counts.rays - before) as u32 + failed;
+                stages.packets.failed += failed;
+                counts.repeated += u64::from(failed);
+            }
+            for (i, (value, spot)) in traced.iter_mut().zip(spots).enumerate() {
+                if open >> i & 1 == 1 {
+                    *value = self.ray(spot, &mut stages.single, counts);
+                } else if let Some(layer) = self.layer {
+                    *value = value.over(layer, spot.pixel);
+                }
+            }
+            values.extend_from_slice(&traced[..spots.len()]);
         }
     }
 }
 
-/// Counts of a group's rays in f32 so far.
+/// Ways to find a ray's light that may fail, from the cheapest on.
 #[derive(Default)]
 struct Stages {
+    packets: Tries,
+    single: Tries,
+}
+
+/// Counts of a group's rays so far that went one way.
+#[derive(Default)]
+struct Tries {
     tried: u32,
     failed: u32,
 }
 
-impl Stages {
-    /// False if most rays have to be done again, so that f32 is a waste.
-    fn is_single_worth_while(&self) -> bool {
+impl Tries {
+    /// False if most rays have to be done again, so that this way is a waste.
+    fn is_worth_while(&self) -> bool {
         self.tried < 8 || 2 * self.failed < self.tried
     }
 }
 
 impl BoundedRays<'_> {
-    fn ray(&self, spot: &ImageSample, stages: &mut Stages, counts: &mut Counts) -> RaySample {
+    fn ray(&self, spot: &ImageSample, single: &mut Tries, counts: &mut Counts) -> RaySample {
         let layer = self.layer;
         let far = layer.map_or(f64::INFINITY, |l| l.depth(spot.pixel));
         let ray = self.rays.at(spot.x, spot.y);
@@ -137,7 +188,7 @@ impl BoundedRays<'_> {
         });
         let value = part.map_or(RaySample::NOTHING, |part| {
             counts.rays += 1;
-            let account = self.both_stages(part, backdrop, stages, counts);
+            let account = self.both_stages(part, backdrop, single, counts);
             counts.terminated += u64::from(account.ended);
             let [r, g, b] = account.light;
             RaySample {
@@ -148,15 +199,15 @@ impl BoundedRays<'_> {
         layer.map_or(value, |l| value.over(l, spot.pixel))
     }
 
-    fn both_stages(&self, ray: IndexRay, backdrop: f64, stages: &mut Stages, counts: &mut Counts) -> Account {
-        if self.single && stages.is_single_worth_while() {
-            stages.tried += 1;
+    fn both_stages(&self, ray: IndexRay, backdrop: f64, single: &mut Tries, counts: &mut Counts) -> Account {
+        if self.single && single.is_worth_while() {
+            single.tried += 1;
             let (account, kept) = self.volume.with_lattice(self.job::<f32>(ray, backdrop));
             counts.samples += account.steps;
             if kept {
                 return account;
             }
-            stages.failed += 1;
+            single.failed += 1;
         }
         counts.repeated += u64::from(self.single);
         let (account, kept) = self.volume.with_lattice(self.job::<f64>(ray, backdrop));

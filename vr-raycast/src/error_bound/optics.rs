@@ -197,8 +197,13 @@ impl Optics {
         (first < end).then(|| self.pieces[usize::midpoint(first, end)].from)
     }
 
+    /// Returns all pieces, in the order of their values.
+    pub(super) fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
     /// Returns the pieces that the closed range meets.
-    fn meeting(&self, low: f64, high: f64) -> &[Piece] {
+    pub(super) fn meeting(&self, low: f64, high: f64) -> &[Piece] {
         let first = self.pieces.partition_point(|p| p.to < low).min(self.pieces.len() - 1);
         let end = self.pieces.partition_point(|p| p.from <= high).max(first + 1);
         &self.pieces[first..end]

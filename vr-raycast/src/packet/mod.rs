@@ -35,8 +35,8 @@ mod course;
 mod engine;
 mod fields;
 mod gaps;
-mod leap;
-mod level;
+pub(crate) mod leap;
+pub(crate) mod level;
 mod local;
 mod march;
 #[cfg(feature = "classics")]

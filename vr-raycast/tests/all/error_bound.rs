@@ -13,7 +13,7 @@ use vr_core::*;
 use vr_physics::check::FixedLayer;
 use vr_physics::check::{TestScene, strategies};
 use vr_physics::{Certainty, Reference, cases};
-use vr_raycast::{CompositingOrder, Precision, RayCaster, Rule, Step, Traversal};
+use vr_raycast::{CompositingOrder, Precision, RayCaster, Rule, Step, Traversal, Vector};
 
 const ERRORS: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
 
@@ -261,4 +261,28 @@ fn a_slab() {
     let scene = Scene::new(volume([9; 3], field), homogeneous(0.1));
     let (got, _) = common::pixel(&promising(1e-6), &scene, &down(3.3, 4.4));
     common::assert_close(got, [1.0 - 0.9f64.powi(6); 4], 1e-6, "six of eight cells");
+}
+
+/// Packets draw what they have bounds for: nearly all rays of smooth media, and of a surface most.
+#[test]
+fn packets_draw_nearly_all_rays() {
+    for (name, error, share) in [("fog", 4e-3, 0.01), ("fog", 1e-3, 0.01), ("blobs", 4e-3, 0.01), ("blobs", 1e-3, 0.05)]
+    {
+        let phantom = phantom::by_name(name).unwrap();
+        let grid = phantom::sample::<u8>(&*phantom, [48; 3]).unwrap();
+        let points = phantom.transfer_points();
+        let transfer = TransferFunction::new(points, OpacityRule::Power, phantom::TRANSFER_UNIT_DISTANCE).unwrap();
+        let scene = Scene::new(grid.into(), transfer);
+        let view = View::new(Camera::framing(scene.volume.bounds(), 33.0, 21.0, Some(30.0)), [48, 48]);
+        let judged = judge(&promising(error), &scene, &view, error).unwrap();
+        let counts = judged.counts;
+        println!("{name} {error:e}: {} of {} rays repeated, worst {:.1e}", counts.repeated, counts.rays, judged.worst);
+        assert_eq!((judged.beyond, counts.unbounded), (0, 0), "{judged:?}");
+        assert!(counts.repeated as f64 <= share * counts.rays as f64, "{name} {error:e}: {counts:?}");
+        // Each by itself: no packets, and the vectors of other machines.
+        let plain = RayCaster { vector: Vector::Off, ..promising(error) };
+        assert_eq!(common::render(&plain, &scene, &view).stats.counts.repeated, 0);
+        let on = |vector| common::render(&RayCaster { vector, ..promising(error) }, &scene, &view).frame;
+        assert!(on(Vector::Auto) == on(Vector::Baseline) && on(Vector::Auto) == on(Vector::Avx2), "{name} {error:e}");
+    }
 }

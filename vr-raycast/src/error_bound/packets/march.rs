@@ -1,0 +1,233 @@
+//! March of sixteen rays that keep account of their error.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, mask32x16};
+use vr_kernels::vector::{Field, LANES, Lanes, Pairs, Stage, Sums, pick, splat};
+
+use super::cell::Along;
+use super::clear_blocks::ClearBlocks;
+use super::cost_table::CostTable;
+use super::path::{Exits, Path};
+use super::step::{Course, Step};
+
+/// Medium that the rays of a frame go through.
+#[derive(Clone, Copy)]
+pub(super) struct Medium<'a, T> {
+    pub(super) field: Field<'a, T>,
+    pub(super) dims: [usize; 3],
+    pub(super) blocks: &'a ClearBlocks,
+    pub(super) costs: &'a CostTable,
+    /// Difference of the largest and the smallest value of the field.
+    pub(super) span: f32,
+    /// Upper bound of what the field's values are off by, apart from positions: rounding.
+    pub(super) noise: f32,
+    /// Error that a ray may have, relative to max(1, its radiance).
+    pub(super) error: f32,
+}
+
+/// Sixteen rays in index space. Distances are in units of the smallest voxel edge, from where each ray enters.
+pub(super) struct Packet {
+    /// Mask of the rays that meet the volume.
+    pub(super) hits: u32,
+    /// Position where each ray enters, axis by axis.
+    pub(super) base: [[f64; LANES]; 3],
+    /// Cells per unit.
+    pub(super) delta: [[f64; LANES]; 3],
+    /// The same, rounded.
+    pub(super) rounded_delta: [Lanes; 3],
+    /// Distances from which on something may be seen, and at which each ray ends; −∞ for one that does not meet the volume.
+    pub(super) first: Lanes,
+    pub(super) end: Lanes,
+    /// Largest component of what stands behind the volume.
+    pub(super) backdrop: Lanes,
+}
+
+/// Results of sixteen rays.
+pub(super) struct Marched {
+    pub(super) rgba: [Lanes; 4],
+    /// Distance at which opacity reaches a half; +∞ where it does not.
+    pub(super) half: Lanes,
+    /// Masks of the rays that have kept their bound, and of those that ended early.
+    pub(super) kept: u32,
+    pub(super) ended: u32,
+    pub(super) samples: u32,
+}
+
+/// Smallest length below which steps are taken as they are.
+const SHORTEST: f32 = 1.0 / 16384.0;
+/// Error of a position, in cells: what a fraction of a cell is rounded by, three times.
+const MISPLACED: f32 = 4.0 / (1 << 24) as f32;
+/// Rounds of a packet, after which its rays are done another way.
+const MOST_ROUNDS: u32 = 1 << 13;
+
+/// Takes sixteen rays to their ends.
+#[inline(never)]
+pub(super) fn march<S: Simd, T: Pairs>(
+    simd: S,
+    medium: &Medium<'_, T>,
+    packet: &Packet,
+    stage: &mut Stage<T>,
+) -> Marched {
+    simd.vectorize(
+        #[inline(always)]
+        || march_inlined(simd, medium, packet, stage),
+    )
+}
+
+#[inline(always)]
+fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Packet, stage: &mut Stage<T>) -> Marched {
+    let Medium { field, blocks, costs, .. } = medium;
+    let path = Path::new(simd, packet, medium.dims);
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+    let never = splat(simd, f32::NEG_INFINITY);
+    let [dx, dy, dz] = &packet.rounded_delta;
+    let delta = [dx.load(simd), dy.load(simd), dz.load(simd)];
+    let exits = Exits::new(simd, &delta);
+    // Largest part of the cubic t(t − ½)(t − 1), and a sixth of f‴ in a unit.
+    let cubic = (delta[0] * delta[1] * delta[2]).abs() * 0.0482;
+    let whole = packet.end.load(simd);
+    let mut end = whole;
+    // Positions are as exact as f64 has them, but distances are f32: steps end a little behind faces, and leaps a little before them.
+    let margin = whole.max(one) * (1.0 / (1 << 24) as f32);
+    let shortest = (margin * 8.0).max(splat(simd, SHORTEST));
+    // A step that ends behind its face goes on as its cell would: off by two slopes over less than two margins.
+    let beyond = margin * margin * (8.0 * medium.span);
+    let per_length = splat(simd, 0.45 * medium.error) / whole.max(splat(simd, f32::MIN_POSITIVE));
+    let brightest = splat(simd, costs.brightest);
+    let mut sums = Sums::new(simd);
+    let mut spent = zero;
+    let mut failed = packet.backdrop.load(simd).simd_gt(brightest);
+    end = pick(failed, never, end);
+    let (mut at, mut out) = (packet.first.load(simd), never);
+    let mut step = one;
+    let mut value = zero;
+    let mut here = [zero; 4];
+    let mut noise = zero;
+    let mut fresh = zero.simd_eq(zero);
+    let (mut samples, mut rounds) = (0, 0);
+    loop {
+        let mut live = at.simd_lt(end);
+        if live.all_false() {
+            break;
+        }
+        rounds += 1;
+        if rounds > MOST_ROUNDS {
+            failed |= live;
+            break;
+        }
+        // Look up the blocks that rays have come to, and leap over those in which nothing can be seen.
+        let mut seeking = live & at.simd_ge(out);
+        while seeking.any_true() {
+            let (numbers, cells) = path.cells(simd, at);
+            let [distance, span] = blocks.at(simd, &cells);
+            let exit = exits.of_blocks(simd, &numbers, &cells.fraction, distance.max(one));
+            let leaping = seeking & distance.simd_gt(zero) & exit.simd_gt(margin * 4.0);
+            let found = seeking & !leaping;
+            // Behind the next face another block is looked up.
+            out = pick(found, at + exit.max(margin), out);
+            // Positions are off by so much, and cells are left by a little more than that.
+            noise = pick(found, span * MISPLACED + medium.noise, noise);
+            at = pick(leaping, at + exit - margin * 2.0, at);
+            fresh |= leaping;
+            live = at.simd_lt(end);
+            seeking = live & leaping;
+            let ready = live & !seeking;
+            if 2 * ready.to_bitmask().count_ones() >= live.to_bitmask().count_ones() {
+                break;
+            }
+        }
+        let active = live & !seeking;
+        if active.all_false() {
+            continue;
+        }
+        samples += active.to_bitmask().count_ones();
+        // The step ends where the ray leaves the cell that lies ahead. A ray that has leaped first learns where it is, in a step of no length.
+        let begin = at + margin;
+        let (_, cells) = path.cells(simd, begin);
+        field.fetch(simd, &cells, stage);
+        let to = (begin + (exits.of_cell(simd, &cells.fraction) + margin)).min(at + step).min(end);
+        let to = pick(fresh, at, to);
+        let length = to - at;
+        let back = at - begin;
+        let (half, forth) = (back + length * 0.5, to - begin);
+        let [x, y, z] = cells.fraction;
+        let first = [x + delta[0] * back, y + delta[1] * back, z + delta[2] * back];
+        let middle = [x + delta[0] * half, y + delta[1] * half, z + delta[2] * half];
+        let last = [x + delta[0] * forth, y + delta[1] * forth, z + delta[2] * forth];
+        let along = Along::new(simd, field, stage, [&first, &middle, &last]);
+        let next = along.end;
+        // The medium at the begin is that of the value that the last cell gave there.
+        let off = pick(fresh, zero, (along.begin - value).abs());
+        let course = Course {
+            values: [pick(fresh, next, along.begin), along.middle, next],
+            cubic: along.third.abs() * (cubic * length * length * length),
+            unsure: noise + off + costs.misplaced,
+        };
+        let stepping = Step::new(simd, costs, &here, &course, length, beyond);
+        let clear = sums.clear(simd);
+        let cost = clear * stepping.missed;
+        let rounding = clear * stepping.rounding * 2.0;
+        let Step { light, there, .. } = stepping;
+        let opacity = light[3];
+        // Steps that cost more than their share are taken again, shorter.
+        let left = clear * (one - opacity);
+        let share = per_length * to + (one - left) * (0.45 * medium.error);
+        let allowed = ((share - spent) * 0.5).max(zero);
+        let is_cheap = cost.simd_le(rounding);
+        let fits = fresh | is_cheap | cost.simd_le(allowed) | length.simd_le(shortest * 1.01);
+        let taken = active & fits;
+        let stepped = taken & !fresh;
+        let ratio = (allowed * 0.8 / cost.max(splat(simd, f32::MIN_POSITIVE))).sqrt();
+        let ratio = pick(is_cheap, splat(simd, 2.0), ratio.max(splat(simd, 0.125)).min(splat(simd, 2.0)));
+        let grown = (length * ratio).max(shortest);
+        // A step that a face cut short says nothing against longer ones.
+        let grown = pick(stepped, grown.max(pick(length.simd_lt(step * 0.99), step, zero)), grown);
+        step = pick(active & !fresh, grown, step);
+        sums.add(simd, stepped, [at, length], light);
+        spent = pick(stepped, spent + cost, spent);
+        at = pick(taken, to, at);
+        value = pick(taken, next, value);
+        for c in 0..4 {
+            here[c] = pick(taken, there[c], here[c]);
+        }
+        fresh &= !taken;
+        // A ray ends where what is left of it is worth less than what is left of the error; or where the error is spent.
+        let [r, g, b, _] = sums.rgba();
+        let budget = (r.max(g).max(b) - spent).max(one) * medium.error;
+        let rest = sums.clear(simd) * brightest;
+        let over = stepped & !spent.simd_le(budget);
+        failed |= over;
+        let done = stepped & (spent + rest).simd_le(budget * 0.99);
+        spent = pick(done, spent + rest, spent);
+        end = pick(done | over, never, end);
+    }
+    // The last step ends where f32 has the end.
+    spent += here[3] * sums.clear(simd) * whole.max(zero) * (f32::EPSILON * costs.brightest);
+    finish(simd, packet, &sums, [spent, end], failed, (samples, rounds), [medium.error, costs.brightest])
+}
+
+/// Returns the results, and which rays have kept their bound after all roundings.
+#[inline(always)]
+fn finish<S: Simd>(
+    simd: S,
+    packet: &Packet,
+    sums: &Sums<S>,
+    [spent, end]: [f32x16<S>; 2],
+    failed: mask32x16<S>,
+    (samples, rounds): (u32, u32),
+    [error, brightest]: [f32; 2],
+) -> Marched {
+    let [r, g, b, a] = sums.rgba();
+    let one = splat(simd, 1.0);
+    let bright = r.max(g).max(b);
+    // Transmittance, and the place of the colours in a step, are rounded to half a unit beside 1: each may cost as much of the brightest light.
+    let rounding = splat(simd, brightest * f32::EPSILON * (2.0 * rounds as f32 + 16.0));
+    let kept = (spent + rounding).simd_le((bright - spent).max(one) * error) & !failed;
+    Marched {
+        rgba: [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)],
+        half: sums.half(simd),
+        kept: packet.hits & kept.to_bitmask() as u32,
+        ended: packet.hits & end.simd_le(splat(simd, f32::NEG_INFINITY)).to_bitmask() as u32,
+        samples,
+    }
+}

@@ -1,0 +1,210 @@
+//! Packets of sixteen rays that keep account of their error: each step's cost is known from what the field and the transfer function can do within it.
+//!
+//! The README beside `error_bound` has the proof. A ray whose account does not balance is left to the cell-by-cell integrator.
+
+mod cell;
+mod clear_blocks;
+mod cost_table;
+mod march;
+mod path;
+mod step;
+
+use fearless_simd::{Level, Simd};
+use glam::DVec3;
+use vr_core::image_order::ImageSample;
+use vr_core::{Counts, Filter, GridVolume, Layer, ParameterError, Rays, View, with_grid};
+use vr_kernels::vector::{self, Chords, Field, LANES, Lanes, Pairs, Stage, Vectorized};
+
+use super::blocks::{Blocks, EDGE, State};
+use super::optics::Optics;
+use crate::leap::VisibleBlocks;
+use crate::near_depths::NearDepths;
+use crate::silhouette::Hull;
+use crate::tracer::RaySample;
+use clear_blocks::ClearBlocks;
+use cost_table::CostTable;
+use march::{Marched, Medium, Packet, march};
+
+/// Tables of a scene for packets whose error is bounded.
+#[derive(Clone, Debug)]
+pub(super) struct BoundedPackets {
+    level: Level,
+    blocks: ClearBlocks,
+    costs: CostTable,
+    hull: Hull,
+    /// World length of the smallest voxel edge.
+    unit: f64,
+    span: f32,
+    noise: f32,
+}
+
+impl BoundedPackets {
+    /// Prepares a scene; `None` for what these packets have no bounds for: other filters than trilinear, missing voxels, emission given on its own.
+    pub(super) fn new(level: Level, volume: &GridVolume, optics: &Optics, blocks: &Blocks) -> Option<Self> {
+        if volume.filter() != Filter::Trilinear || volume.vacuum_cells().is_some() {
+            return None;
+        }
+        let dims = volume.dims();
+        if dims.iter().product::<usize>() > i32::MAX as usize {
+            return None;
+        }
+        let (low, high) = volume.value_stats().range?;
+        let unit = volume.placement().spacing().min_element();
+        let costs = CostTable::new(optics, [low, high], unit)?;
+        let seen = |[x, y, z]: [usize; 3]| blocks.state(blocks.index([x, y, z])) != State::Clear;
+        let hull = Hull::new(dims, VisibleBlocks::from_fn(dims, EDGE, seen));
+        // Three rounds of interpolation, each of a difference, a product and a sum; and knots whose places are rounded.
+        let noise = f64::from(low.abs().max(high.abs())) * 24.0 * libm::exp2(-24.0) + optics.knot_error;
+        Some(Self {
+            level,
+            blocks: ClearBlocks::new(blocks),
+            costs,
+            hull,
+            unit,
+            span: (high - low).next_up(),
+            noise: noise as f32 * (1.0 + 1e-6),
+        })
+    }
+}
+
+/// Packets of the rays of one view.
+pub(crate) struct PacketView<'a> {
+    packets: &'a BoundedPackets,
+    near: NearDepths,
+    forward: DVec3,
+    /// Error that a ray may have, relative to max(1, its radiance).
+    error: f32,
+}
+
+impl<'a> PacketView<'a> {
+    pub(super) fn new(
+        packets: &'a BoundedPackets,
+        volume: &GridVolume,
+        view: &View,
+        error: f64,
+    ) -> Result<Self, ParameterError> {
+        let near = packets.hull.near_depths(view, volume.placement())?;
+        // Rounded down.
+        let error = error as f32 * (1.0 - 1e-6);
+        Ok(Self { packets, near, forward: view.camera.frame()?.z_axis, error })
+    }
+
+    /// Traces up to sixteen rays, and returns the mask of those whose bound is not kept: their values are to be found another way.
+    pub(super) fn trace(
+        &self,
+        volume: &GridVolume,
+        rays: &Rays,
+        (view, layer): (&View, Option<&Layer>),
+        spots: &[ImageSample],
+        values: &mut [RaySample],
+        counts: &mut Counts,
+    ) -> u32 {
+        with_grid!(volume.values(), grid => {
+            let lattice = vr_core::filter::Lattice { samples: grid.samples(), dims: grid.dims() };
+            let medium = Medium {
+                field: Field::new(&lattice),
+                dims: grid.dims(),
+                blocks: &self.packets.blocks,
+                costs: &self.packets.costs,
+                span: self.packets.span,
+                noise: self.packets.noise,
+                error: self.error,
+            };
+            vector::run(self.packets.level, Trace { view: self, medium: &medium, volume, rays, seen: (view, layer), spots, values, counts })
+        })
+    }
+}
+
+/// Arguments of [`PacketView::trace`], for a medium.
+struct Trace<'a, T> {
+    view: &'a PacketView<'a>,
+    medium: &'a Medium<'a, T>,
+    volume: &'a GridVolume,
+    rays: &'a Rays,
+    seen: (&'a View, Option<&'a Layer>),
+    spots: &'a [ImageSample],
+    values: &'a mut [RaySample],
+    counts: &'a mut Counts,
+}
+
+impl<T: Pairs> Vectorized for Trace<'_, T> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> u32 {
+        let mut stage = Stage::default();
+        let mut nearest = [f64::INFINITY; LANES];
+        let mut any = false;
+        for (nearest, spot) in nearest.iter_mut().zip(self.spots) {
+            *nearest = self.view.near.at_spot(spot);
+            any |= *nearest < f64::INFINITY;
+        }
+        let Some((packet, begin)) = any.then(|| self.packet(&nearest)).filter(|(packet, _)| packet.hits != 0) else {
+            return 0;
+        };
+        let Marched { rgba, half, kept, ended, samples } = march(simd, self.medium, &packet, &mut stage);
+        self.counts.rays += u64::from(kept.count_ones());
+        self.counts.samples += u64::from(samples);
+        self.counts.terminated += u64::from((ended & kept).count_ones());
+        for (i, value) in self.values.iter_mut().enumerate() {
+            if kept >> i & 1 == 1 {
+                value.rgba = [rgba[0].0[i], rgba[1].0[i], rgba[2].0[i], rgba[3].0[i]];
+                value.depth = (begin[i] + f64::from(half.0[i]) * self.view.packets.unit) as f32;
+            }
+        }
+        packet.hits & !kept
+    }
+}
+
+impl<T> Trace<'_, T> {
+    /// Sets rays up. Returns the world distances at which they enter, too.
+    fn packet(&self, nearest: &[f64; LANES]) -> (Packet, [f64; LANES]) {
+        let (view, layer) = self.seen;
+        let (mut x, mut y, mut far) = ([0.0; LANES], [0.0; LANES], [f64::INFINITY; LANES]);
+        let mut backdrop = Lanes::ZERO;
+        for i in 0..LANES {
+            let spot = &self.spots[i.min(self.spots.len() - 1)];
+            (x[i], y[i]) = (spot.x, spot.y);
+            if let Some(layer) = layer {
+                far[i] = layer.depth(spot.pixel);
+                if far[i] < f64::INFINITY {
+                    backdrop.0[i] = layer.pixels[spot.pixel].0.into_iter().fold(0.0, f32::max);
+                }
+            }
+        }
+        let placement = self.volume.placement();
+        let chords = Chords::new(self.rays, [&x, &y], placement, self.volume.dims(), &view.clip, &far);
+        let unit = self.view.packets.unit;
+        let forward = self.view.forward.to_array();
+        let mut packet = Packet {
+            hits: 0,
+            base: [[0.0; LANES]; 3],
+            delta: [[0.0; LANES]; 3],
+            rounded_delta: [Lanes::ZERO; 3],
+            first: Lanes::ZERO,
+            end: Lanes([f32::NEG_INFINITY; LANES]),
+            backdrop,
+        };
+        let mut begin = [0.0; LANES];
+        for i in 0..self.spots.len() {
+            let (start, end) = (chords.start[i], chords.end[i]);
+            if !(start < end && nearest[i] < f64::INFINITY) {
+                continue;
+            }
+            packet.hits |= 1 << i;
+            begin[i] = chords.offset[i] + start;
+            let cosine: f64 = (0..3).map(|a| forward[a] * chords.along[a][i]).sum();
+            // One unit less, for rounding.
+            let first = (nearest[i] / cosine - begin[i]) / unit - 1.0;
+            let length = (end - start) / unit;
+            packet.first.0[i] = first.clamp(0.0, length) as f32;
+            packet.end.0[i] = length as f32;
+            for a in 0..3 {
+                packet.base[a][i] = chords.origin[a][i] + chords.direction[a][i] * start;
+                packet.delta[a][i] = chords.direction[a][i] * unit;
+                packet.rounded_delta[a].0[i] = packet.delta[a][i] as f32;
+            }
+        }
+        (packet, begin)
+    }
+}
