@@ -36,9 +36,9 @@ fn rays_end_where_they_are() {
     let scene = haze(16);
     let view = view(&scene, 30.0, 20.0, None, 8);
     // Rays of ten million steps; and lists of as many, that are made before the first is taken.
-    let plain = uniform(2e-6).with("vector", "off").with("leaping", "none");
+    let plain = uniform(2e-6).with("vector", "off");
     end(plain.clone(), &scene, &view);
-    end(plain.clone().with("order", "back-to-front"), &scene, &view);
+    end(plain.clone().with("leaping", "none").with("order", "back-to-front"), &scene, &view);
     end(plain.with("traversal", "cells"), &scene, &view);
 }
 
