@@ -79,6 +79,8 @@ impl Transport {
 ///
 /// `level` cuts the integral where the opacity reaches it (1: never).
 pub fn transport(line: &dyn FieldLine, optics: &Optics<'_>, tolerance: f64, level: f64) -> Transport {
+    // Short rays make few turns, and there may be many of them.
+    cancel::poll();
     let mut breakpoints = Vec::with_capacity(64);
     line.breakpoints(&mut breakpoints);
     let length = match (breakpoints.first(), breakpoints.last()) {

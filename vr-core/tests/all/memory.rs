@@ -55,12 +55,13 @@ fn what_does_not_fit_is_refused_before_it_is_made() {
     let points = Volume::from(points);
     let refused = refusal(&points, 2 * count).unwrap();
     assert!(refused.starts_with("the tree of boxes would need "), "{refused}");
-    // A brick of 20 bytes for each block of one cell, in two lists for a moment.
-    let block = |i: i64| AmrBlock { level: 0, first: [i % 32, i / 32 % 32, i / 1024], dims: [1; 3], values: vec![0.5] };
+    // Eight bricks of 12 bytes for each block of 64 cells, in two lists for a moment.
+    let first = |i: i64| [64 * (i % 32), i / 32 % 32, i / 1024];
+    let block = |i: i64| AmrBlock { level: 0, first: first(i), dims: [64, 1, 1], values: vec![0.5; 64] };
     let blocks = (0..1 << 15).map(block).collect();
     let mesh = AmrGrid::new(DVec3::ZERO, DVec3::ONE, Vec::new(), blocks, AmrCentring::Cells).unwrap();
-    let refused = refusal(&Volume::from(mesh), count).unwrap();
-    assert!(refused.starts_with("the bricks of the adaptive mesh would need 1.3 MB"), "{refused}");
+    let refused = refusal(&Volume::from(mesh), 3 * count).unwrap();
+    assert!(refused.starts_with("the bricks of the adaptive mesh would need 6.3 MB"), "{refused}");
     // A brick of 12 bytes for each row of eight cells.
     let axes = [vec![0.0, 1.0], vec![0.0, 1.0], (0..=800_000).map(|i| f64::from(i).powf(1.1)).collect()];
     let uneven = RectilinearGrid::new(axes, vec![0.5; 4 * 800_001], Centering::Points).unwrap();

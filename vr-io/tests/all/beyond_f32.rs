@@ -108,13 +108,10 @@ fn meshes_of_cells_keep_them() {
 #[test]
 fn points_and_inline_numbers_are_refused_by_their_place() {
     let folder = tempfile::tempdir().unwrap();
-    for (name, file) in [("x.csv", "x,y,z,value\n0,0,0,1\n1,1,1,1e300\n".as_bytes().to_vec()), ("x.npy", npy("2, 4"))] {
-        let path = folder.path().join(name);
-        std::fs::write(&path, file).unwrap();
-        let error = read_points(&path, &Default::default()).map(drop).unwrap_err().to_string();
-        assert!(error.contains("1e300") || error.contains("3e299"), "{name}: {error}");
-        assert!(error.contains("below 3.4e38") || error.contains("1e30"), "{name}: {error}");
-    }
+    let path = folder.path().join("x.csv");
+    std::fs::write(&path, "x,y,z,value\n0,0,0,1\n1,1,1,1e300\n").unwrap();
+    let error = read_points(&path, &Default::default()).map(drop).unwrap_err().to_string();
+    assert!(error.contains("1e300") && error.contains("below 3.4e38"), "{error}");
     let scene = parse_scene("[volume]\ndata = [0, 1, 2, 3, 4, 5, 6, 1e300]\ndims = [2, 2, 2]\n", "x.toml".as_ref());
     let error = vr_io::resolve_scene(&scene.unwrap(), "x.toml".as_ref()).map(drop).unwrap_err().to_string();
     assert!(error.contains("volume.data[7]") && error.contains("1e300"), "{error}");
