@@ -65,7 +65,11 @@ fn what_does_not_fit_is_refused_before_it_is_made() {
     // A brick of 12 bytes for each row of eight cells.
     let axes = [vec![0.0, 1.0], vec![0.0, 1.0], (0..=800_000).map(|i| f64::from(i).powf(1.1)).collect()];
     let uneven = RectilinearGrid::new(axes, vec![0.5; 4 * 800_001], Centering::Points).unwrap();
-    let refused = refusal(&Volume::from(uneven), count).unwrap();
+    // Made when a ray first asks for them.
+    LEFT.store(count, Ordering::Relaxed);
+    let outcome = Control::default().cancellable(|| uneven.bricks().len());
+    LEFT.store(u64::MAX, Ordering::Relaxed);
+    let refused = outcome.unwrap_err().to_string();
     assert!(refused.starts_with("the bricks of the rectilinear grid would need 1.2 MB"), "{refused}");
     // A refusal leaves nothing behind: with the memory there, all are made.
     for volume in [&spline, &missing, &points] {
