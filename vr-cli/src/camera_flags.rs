@@ -1,36 +1,15 @@
-//! The camera of a view, changed by flags.
+//! Flags over the keys of `[camera]`.
 
-use glam::DVec3;
-use vr_core::{Camera, ParameterError, Projection};
-use vr_io::{CameraSection, FileInfo, ProjectionName, USUAL_FOV};
-use vr_look::fit;
+use vr_core::ParameterError;
+use vr_io::{CameraSection, ProjectionName, USUAL_FOV};
 
 use crate::args::{CameraArgs, Fit};
 
-/// Things in the scene that an automatic camera has to show.
-pub struct Sight<'a> {
-    /// Bounds of volume and mesh.
-    pub bounds: (DVec3, DVec3),
-    /// World positions that enclose what is visible.
-    pub visible: &'a dyn Fn() -> &'a [DVec3],
-    /// Width of the picture over its height.
-    pub aspect: f64,
-    /// Header of the volume's file, which tells a patient's orientation.
-    pub info: Option<&'a FileInfo>,
-    /// Azimuth and elevation in degrees where no flag says other ones.
-    pub angles: (f64, f64),
-}
-
-/// True if flags leave nothing of a camera that a scene file says by angles alone: all is to be framed anew.
-pub fn frame_anew(args: &CameraArgs, section: &CameraSection) -> bool {
-    section.is_framed() && (args.projection.is_some() || args.fov.is_some() || args.fit == Fit::Box)
-}
-
-/// Returns the scene's camera, or else one that sees all of the volume, changed by flags.
+/// Returns the keys of a camera as flags change them: each flag sets its own key, and what does not go with that goes.
 ///
 /// # Errors
-/// A camera that sees nothing.
-pub fn apply(args: &CameraArgs, own: Option<Camera>, sight: &Sight<'_>) -> Result<Camera, ParameterError> {
+/// Flags that do not go together.
+pub fn overridden(args: &CameraArgs, own: CameraSection) -> Result<CameraSection, ParameterError> {
     match (args.projection, args.fov, args.height) {
         (Some(ProjectionName::Orthographic), Some(fov), _) => {
             return Err(ParameterError::new("camera.fov", fov, "an orthographic camera has a height, not an angle"));
@@ -40,57 +19,47 @@ pub fn apply(args: &CameraArgs, own: Option<Camera>, sight: &Sight<'_>) -> Resul
         }
         _ => {}
     }
-    let fov = match (args.projection, args.fov, own.map(|camera| camera.projection)) {
-        (_, Some(fov), _) => Some(fov),
-        (Some(ProjectionName::Orthographic), ..) => None,
-        (None, None, Some(Projection::Perspective { fov })) if args.height.is_none() => Some(fov),
-        (None, ..) => None,
-        (Some(ProjectionName::Perspective), None, Some(Projection::Perspective { fov })) => Some(fov),
-        (Some(ProjectionName::Perspective), ..) => Some(USUAL_FOV),
-    };
-    let mut camera = match own {
-        Some(own) if args.azimuth.is_none() && args.elevation.is_none() => own,
-        _ => whole_volume(args, fov, sight)?,
-    };
-    camera.projection = match (fov, args.height, camera.projection) {
-        (Some(fov), ..) => Projection::Perspective { fov },
-        (None, Some(height), _) => Projection::Orthographic { height },
-        // What lies at the target keeps its size.
-        (None, None, Projection::Perspective { fov }) => {
-            let distance = camera.eye.distance(camera.target);
-            Projection::Orthographic { height: 2.0 * distance * (0.5 * fov.to_radians()).tan() }
-        }
-        (None, None, orthographic) => orthographic,
-    };
-    camera.eye = args.eye.map_or(camera.eye, DVec3::from);
-    camera.target = args.target.map_or(camera.target, DVec3::from);
-    camera.up = args.up.map_or(camera.up, DVec3::from);
-    camera.frame()?;
-    Ok(camera)
-}
-
-fn whole_volume(args: &CameraArgs, fov: Option<f64>, sight: &Sight<'_>) -> Result<Camera, ParameterError> {
-    let Sight { bounds, visible, aspect, info, angles } = *sight;
-    let (azimuth, elevation) = (args.azimuth.unwrap_or(angles.0), args.elevation.unwrap_or(angles.1));
-    for (field, angle) in [("camera.azimuth", azimuth), ("camera.elevation", elevation)] {
-        if !angle.is_finite() {
-            return Err(ParameterError::new(field, angle, "must be finite"));
-        }
+    let mut section = own;
+    if (args.azimuth.is_some() || args.elevation.is_some()) && own.eye.is_some() {
+        // Angles take the place of the eye, and show everything: what was right from there goes with it.
+        section = CameraSection { projection: own.projection, fov: own.fov, ..CameraSection::default() };
     }
-    if let Some(fov) = fov {
-        // A wrong angle is to be named, not the eye that it would put somewhere.
-        Camera { projection: Projection::Perspective { fov }, ..Camera::framing(bounds, 0.0, 0.0, None) }.frame()?;
+    if args.fit == Fit::Box && section.is_framed() {
+        section.height = None;
     }
-    let whole = vr_io::framing(bounds, info, (azimuth, elevation), fov);
-    Ok(match args.fit {
-        Fit::Box => whole,
-        Fit::Visible => fit(&whole, visible(), aspect),
-    })
+    if args.eye.is_some() {
+        (section.azimuth, section.elevation) = (None, None);
+    }
+    section.azimuth = args.azimuth.or(section.azimuth);
+    section.elevation = args.elevation.or(section.elevation);
+    section.eye = args.eye.map(Into::into).or(section.eye);
+    section.target = args.target.map(Into::into).or(section.target);
+    section.up = args.up.map(Into::into).or(section.up);
+    section.projection = match (args.projection, args.fov, args.height) {
+        (Some(projection), ..) => projection,
+        (None, Some(_), _) => ProjectionName::Perspective,
+        (None, None, Some(_)) => ProjectionName::Orthographic,
+        (None, None, None) => section.projection,
+    };
+    match (own.projection, section.projection) {
+        (ProjectionName::Orthographic, ProjectionName::Perspective) => section.height = None,
+        (ProjectionName::Perspective, ProjectionName::Orthographic) => {
+            let fov = section.fov.take().unwrap_or(USUAL_FOV);
+            // What lies at the target keeps its size.
+            let distance = section.eye.zip(section.target).map(|(eye, target)| eye.distance(target));
+            section.height = distance.map(|distance| 2.0 * distance * (0.5 * fov.to_radians()).tan());
+        }
+        _ => {}
+    }
+    section.height = args.height.or(section.height);
+    section.fov = args.fov.or(section.fov);
+    Ok(section)
 }
 
 #[cfg(test)]
 mod tests {
     use clap::Parser;
+    use glam::DVec3;
 
     use super::*;
 
@@ -100,42 +69,70 @@ mod tests {
         camera: CameraArgs,
     }
 
-    fn camera(flags: &str, own: Option<Camera>) -> Result<Camera, ParameterError> {
+    fn section(flags: &str, own: CameraSection) -> Result<CameraSection, ParameterError> {
         let flags = Flags::parse_from(std::iter::once("vr").chain(flags.split_whitespace()));
-        let visible = [DVec3::NEG_ONE, DVec3::ONE];
-        let bounds = (DVec3::NEG_ONE, DVec3::ONE);
-        let sight = Sight { bounds, visible: &|| &visible, aspect: 1.0, info: None, angles: (30.0, 20.0) };
-        apply(&flags.camera, own, &sight)
+        overridden(&flags.camera, own)
     }
 
+    const ORTHOGRAPHIC: ProjectionName = ProjectionName::Orthographic;
+    const PERSPECTIVE: ProjectionName = ProjectionName::Perspective;
+
     #[test]
-    fn flags_change_what_they_name() {
-        let radius = 3.0f64.sqrt();
-        let visible = camera("", None).unwrap();
-        let whole = camera("--fit box", None).unwrap();
-        let height = |camera: Camera| match camera.projection {
-            Projection::Orthographic { height } => height,
-            Projection::Perspective { .. } => f64::NAN,
+    fn a_flag_changes_its_own_key_alone() {
+        let own = CameraSection {
+            azimuth: Some(1.0),
+            elevation: Some(2.0),
+            target: Some(DVec3::X),
+            height: Some(3.0),
+            ..CameraSection::default()
         };
-        assert!(height(visible) < height(whole));
-        assert_eq!(whole.projection, Projection::Orthographic { height: 2.0 * radius });
-        let side = camera("--azimuth 90 --elevation 0", None).unwrap();
-        assert!((side.eye.normalize() - DVec3::X).length() < 1e-12);
-        let near = camera("--fov 60 --fit box", None).unwrap();
-        assert!((near.eye.length() - 2.0 * radius).abs() < 1e-12, "farther for a narrower angle");
-        let moved = camera("--eye 0,0,-9 --height 4", Some(near)).unwrap();
-        assert_eq!((moved.eye, moved.projection), (DVec3::Z * -9.0, Projection::Orthographic { height: 4.0 }));
-        assert_eq!(camera("", Some(near)).unwrap(), near);
+        for (flags, expected) in [
+            ("", own),
+            ("--azimuth 9", CameraSection { azimuth: Some(9.0), ..own }),
+            ("--elevation 9", CameraSection { elevation: Some(9.0), ..own }),
+            ("--target 0,1,0", CameraSection { target: Some(DVec3::Y), ..own }),
+            ("--up 0,0,1", CameraSection { up: Some(DVec3::Z), ..own }),
+            ("--height 9", CameraSection { height: Some(9.0), ..own }),
+            ("--projection orthographic", own),
+            // What does not go with it goes.
+            ("--eye 0,0,9", CameraSection { eye: Some(DVec3::Z * 9.0), azimuth: None, elevation: None, ..own }),
+            ("--projection perspective", CameraSection { projection: PERSPECTIVE, height: None, ..own }),
+            ("--fov 9", CameraSection { projection: PERSPECTIVE, height: None, fov: Some(9.0), ..own }),
+        ] {
+            assert_eq!(section(flags, own), Ok(expected), "{flags}");
+        }
+        let perspective = CameraSection { projection: PERSPECTIVE, height: None, fov: Some(50.0), ..own };
+        for (flags, expected) in [
+            ("--azimuth 9", CameraSection { azimuth: Some(9.0), ..perspective }),
+            ("--projection perspective --fit box", perspective),
+            ("--height 9", CameraSection { projection: ORTHOGRAPHIC, fov: None, height: Some(9.0), ..perspective }),
+            ("--projection orthographic", CameraSection { projection: ORTHOGRAPHIC, fov: None, ..perspective }),
+        ] {
+            assert_eq!(section(flags, perspective), Ok(expected), "{flags}");
+        }
     }
 
     #[test]
-    fn wrong_flags_are_named() {
-        let field = |flags: &str| camera(flags, None).unwrap_err().field;
-        assert_eq!(field("--fov 0"), "camera.fov");
-        assert_eq!(field("--fov 180 --azimuth 3"), "camera.fov");
-        assert_eq!(field("--azimuth nan"), "camera.azimuth");
-        assert_eq!(field("--eye 0,0,0"), "camera.eye");
-        assert_eq!(field("--up 0,0,0"), "camera.up");
-        assert_eq!(field("--height=-1"), "camera.height");
+    fn angles_show_everything_again_and_the_target_keeps_its_size() {
+        let place = CameraSection { eye: Some(DVec3::Z * 4.0), target: Some(DVec3::ZERO), ..CameraSection::default() };
+        let placed = CameraSection { up: Some(DVec3::Y), height: Some(3.0), ..place };
+        let seen_from = CameraSection { azimuth: Some(9.0), ..CameraSection::default() };
+        assert_eq!(section("--azimuth 9", placed), Ok(seen_from));
+        let perspective = CameraSection { projection: PERSPECTIVE, fov: Some(90.0), ..place };
+        let seen_from = CameraSection { projection: PERSPECTIVE, fov: Some(90.0), ..seen_from };
+        assert_eq!(section("--azimuth 9", perspective), Ok(seen_from));
+        let flat = section("--projection orthographic", perspective).unwrap();
+        assert!((flat.height.unwrap() - 8.0).abs() < 1e-12 && flat.fov.is_none());
+        // The extent that is asked for is that of the box.
+        let framed = CameraSection { height: Some(3.0), ..CameraSection::default() };
+        assert_eq!(section("--fit box", framed), Ok(CameraSection::default()));
+        assert_eq!(section("--fit box", placed), Ok(placed));
+    }
+
+    #[test]
+    fn flags_that_do_not_go_together_are_named() {
+        let field = |flags: &str| section(flags, CameraSection::default()).unwrap_err().field;
+        assert_eq!(field("--projection orthographic --fov 9"), "camera.fov");
+        assert_eq!(field("--projection perspective --height 9"), "camera.height");
     }
 }

@@ -13,7 +13,8 @@ use crate::failure::Failure;
 /// Exit code of a command that Ctrl-C has ended: 128 and the number of the signal, as shells have it.
 pub const EXIT_CODE: u8 = 130;
 
-/// Time that a command has to end by itself. Some of its work asks for the flag less often: reading, decompressing, a ray of a million steps.
+/// Time that a command has to end by itself. Some of its work asks for the flag less often: a block that is decompressed at once, a file of the
+/// system's that does not answer.
 const PATIENCE: Duration = Duration::from_millis(400);
 
 /// Makes Ctrl-C set the control's cancel flag: the command then ends where it stands, with nothing half written, and says how it is taken up

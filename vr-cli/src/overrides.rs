@@ -13,6 +13,7 @@ use crate::args::{
     Background, CameraArgs, CompositingArgs, ImageArgs, LabelArgs, LightModel, MeshArgs, ScatteringArgs, SceneArgs,
     ShadingArgs, TransferArgs, VolumeArgs,
 };
+use crate::camera_flags;
 use crate::failure::Failure;
 use crate::transfer_box::TransferBox;
 
@@ -34,10 +35,11 @@ pub struct Overrides {
 }
 
 impl Overrides {
-    /// Writes every flag of a scene but the camera's, which needs the volume.
+    /// Writes every flag of a scene.
     ///
     /// # Errors
-    /// A flag about files where there is a phantom, or the other way round; a colour for a mesh that there is not.
+    /// A flag about files where there is a phantom, or the other way round; a colour for a mesh that there is not; flags of a camera that do not
+    /// go together.
     pub fn apply(&mut self, args: &SceneArgs, file: &mut SceneFile) -> Result<(), Failure> {
         self.over_file = args.scene.is_some();
         self.volume(&args.volume, &mut file.volume)?;
@@ -51,11 +53,19 @@ impl Overrides {
         self.mesh(&args.mesh, file)?;
         self.image(&args.image, file);
         self.compositing(&args.compositing, file);
-        Ok(())
+        self.camera(&args.camera, file)
     }
 
-    /// Remembers the fields that flags set in the camera.
-    pub fn camera(&mut self, args: &CameraArgs) {
+    /// Writes the flags of `[camera]`.
+    ///
+    /// # Errors
+    /// Flags that do not go together.
+    fn camera(&mut self, args: &CameraArgs, file: &mut SceneFile) -> Result<(), Failure> {
+        let own = file.camera.unwrap_or_default();
+        let section = camera_flags::overridden(args, own).map_err(|e| Failure::usage(&e))?;
+        if section != own {
+            file.camera = Some(section);
+        }
         let CameraArgs { azimuth, elevation, eye, target, up, projection, height, fov, fit: _ } = args;
         let flags = [
             ("camera.azimuth", azimuth.is_some()),
@@ -67,6 +77,7 @@ impl Overrides {
             ("camera.fov", fov.is_some() || projection.is_some()),
         ];
         self.fields.extend(flags.into_iter().filter(|f| f.1).map(|f| f.0));
+        Ok(())
     }
 
     /// Notes that a flag set a field, named as error messages name it.

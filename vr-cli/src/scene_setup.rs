@@ -15,8 +15,7 @@ use vr_io::{
 };
 use vr_mesh::Surface;
 
-use crate::args::{RendererArgs, ReplaceArgs, SceneArgs};
-use crate::camera_flags::{self, Sight};
+use crate::args::{Fit, RendererArgs, ReplaceArgs, SceneArgs};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::inputs::Inputs;
@@ -144,21 +143,19 @@ impl Setup {
         args: &SceneArgs,
         file: &SceneFile,
         loaded: LoadedScene,
-        mut origin: Origin,
+        origin: Origin,
         console: Console,
     ) -> Result<Self, Failure> {
-        let section = file.camera.unwrap_or_default();
-        let own = file.camera.is_some() && !camera_flags::frame_anew(&args.camera, &section);
-        let own = own.then_some(loaded.view.camera);
-        origin.overrides.camera(&args.camera);
-        let sight = Sight {
-            bounds: loaded.bounds(),
-            visible: &|| loaded.visible(),
-            aspect: loaded.view.aspect(),
-            info: loaded.info.as_ref(),
-            angles: section.angles(vr_io::default_angles(loaded.info.as_ref())),
+        // What is visible was framed when the scene was loaded.
+        let camera = match args.camera.fit {
+            Fit::Visible => loaded.view.camera,
+            Fit::Box => {
+                let (section, info) = (file.camera.unwrap_or_default(), loaded.info.as_ref());
+                let angles = section.angles(vr_io::default_angles(info));
+                let whole = section.camera(|fov| vr_io::framing(loaded.bounds(), info, angles, fov));
+                whole.map_err(|e| origin.parameter(&e))?
+            }
         };
-        let camera = camera_flags::apply(&args.camera, own, &sight).map_err(|e| origin.parameter(&e))?;
         let LoadedScene {
             mut scene,
             mut view,

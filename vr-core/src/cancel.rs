@@ -62,6 +62,11 @@ impl CancelToken {
         Self(Some(Arc::clone(flag)))
     }
 
+    /// True if a flag is current: inside of [`Control::cancellable`](crate::Control::cancellable).
+    pub(crate) fn is_set(&self) -> bool {
+        self.0.is_some()
+    }
+
     /// True if the work is cancelled.
     pub fn is_cancelled(&self) -> bool {
         self.0.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
@@ -102,10 +107,44 @@ pub fn poll() {
     CURRENT.with_borrow(CancelToken::poll);
 }
 
+/// Poll of a loop whose turns are too short for one each.
+///
+/// # Examples
+/// ```
+/// use vr_core::Control;
+/// use vr_core::cancel::SparsePoll;
+///
+/// let control = Control::default();
+/// control.cancel_flag().store(true, std::sync::atomic::Ordering::Relaxed);
+/// let (mut poll, mut turns) = (SparsePoll::default(), 0);
+/// let outcome = control.cancellable(|| loop {
+///     poll.turn();
+///     turns += 1;
+/// });
+/// assert!(outcome.map(|never: ()| never).is_err() && turns == SparsePoll::TURNS - 1);
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SparsePoll(u32);
+
+impl SparsePoll {
+    /// Turns from one look at the flag to the next: enough that a look does not count, where a turn takes ten nanoseconds.
+    pub const TURNS: u32 = 64;
+
+    /// Counts a turn, and does what [`poll`] does in one of [`Self::TURNS`].
+    #[inline]
+    pub fn turn(&mut self) {
+        self.0 += 1;
+        if self.0 == Self::TURNS {
+            self.0 = 0;
+            poll();
+        }
+    }
+}
+
 /// Asks for memory on behalf of work that cannot fail; unwinds to [`Control::cancellable`](crate::Control::cancellable) if there is too
 /// little. Outside of it, the work goes on as if no meter were set.
 pub fn claim(what: &str, bytes: u64) {
-    if CancelToken::current().0.is_some()
+    if CancelToken::current().is_set()
         && let Err(refused) = memory::check(what, bytes)
     {
         Stopped::from(refused).unwind();

@@ -3,6 +3,7 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use crate::cancel::CancelToken;
 use crate::control::Control;
 use crate::error::RenderError;
 use crate::parallel::{locked, try_each};
@@ -142,10 +143,11 @@ fn trace_groups<P: PixelValue, S, I: Iterator<Item = (u32, u32)>>(
 
 /// Does pieces of work `0 .. count`, one a task, on the control's threads; returns their results in order.
 ///
-/// Pieces are taken in order, so that neighbours run at the same time, and idle threads steal. Progress is reported after each.
+/// Pieces are taken in order, so that neighbours run at the same time, and idle threads steal. Progress is reported after each. A long piece may
+/// ask for the cancel flag by [`cancel::poll`](crate::cancel::poll).
 ///
 /// # Errors
-/// [`RenderError::Cancelled`].
+/// [`RenderError::Cancelled`]; [`RenderError::Memory`] where a piece derives something for which there is too little.
 pub fn in_parallel<T: Send>(
     control: &Control,
     count: u32,
@@ -160,7 +162,9 @@ pub fn in_parallel<T: Send>(
         control.report(finished as f64 / f64::from(count));
         Ok(())
     };
-    control.run(|| try_each(count as usize, &one))?;
+    let all = || try_each(count as usize, &one);
+    // Rays poll the current flag: that of the caller's work, or else the control's.
+    if CancelToken::current().is_set() { control.run(all) } else { control.cancellable(all)? }?;
     let value = |slot: Mutex<Option<T>>| slot.into_inner().ok().flatten().expect("every piece was made");
     Ok(made.into_iter().map(value).collect())
 }

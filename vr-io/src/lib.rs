@@ -323,7 +323,7 @@ pub use file_pattern::{files_of_pattern, numbered_names};
 pub use framing::{default_angles, framing};
 pub use given_place::GivenPlace;
 pub use keys::{AnglePath, Angles, CameraPath, Interpolation, Key, KeyFile, PlacedPath, parse_keys, read_keys};
-pub use labels::{LabelEntry, LoadedLabels, parse_label_list, read_label_list, read_labels};
+pub use labels::{LabelEntry, LoadedLabels, has_segments, parse_label_list, read_label_list, read_labels};
 pub use maker::is_own_picture;
 pub use mesh::{LoadedMesh, is_mesh, read_mesh};
 pub use nifti::Transform;

@@ -35,7 +35,7 @@ impl Narrowed {
         let all = [
             (rounded, "are rounded to 32-bit floats"),
             (nan, "are NaN: there is vacuum around them"),
-            (infinite, "are infinite, or too large for 32-bit floats, and count as NaN"),
+            (infinite, "are infinite, or beyond f32, and count as NaN"),
         ];
         all.into_iter().filter(|&(n, _)| n > 0).map(|(n, what)| format!("{n} of {count} values {what}")).collect()
     }

@@ -462,7 +462,7 @@ pub(crate) fn missing_voxels(volume: &Volume) -> Vec<String> {
             notes.push(format!("{} of {count} voxels are NaN: the cells around them are vacuum", stats.nan));
         }
         if stats.infinite > 0 {
-            notes.push(format!("{} of {count} voxels are infinite and count as NaN", stats.infinite));
+            notes.push(format!("{} of {count} voxels are infinite, or beyond f32, and count as NaN", stats.infinite));
         }
     }
     notes

@@ -123,7 +123,7 @@ macro_rules! wide_integer {
                 if rounded > 0
                     && let Some(frame) = ValueFrame::of_range(low as f64, high as f64).filter(ValueFrame::has_offset)
                 {
-                    notes.push(framed_note(name));
+                    notes.push(framed_note(name, frame, low as f64, high as f64));
                     return Voxels::Framed(s.iter().map(|&x| frame.stored(x as f64)).collect(), frame);
                 }
                 notes.push(float_note(name, rounded, s.len()));
@@ -147,7 +147,7 @@ impl Remember for f64 {
             && low <= high
             && let Some(frame) = ValueFrame::of_range(low, high)
         {
-            notes.push(framed_note("f64"));
+            notes.push(framed_note("f64", frame, low, high));
             return Voxels::Framed(s.iter().map(|&x| frame.stored(x)).collect(), frame);
         }
         notes.push(float_note("f64", rounded, s.len()));
@@ -162,8 +162,16 @@ fn float_note(name: &str, rounded: usize, of: usize) -> String {
     }
 }
 
-fn framed_note(name: &str) -> String {
-    format!("{name} voxels are held as f32 distances from one of them, to seven digits of their range")
+/// Note on numbers from `low` to `high` that are carried in a frame.
+fn framed_note(name: &str, frame: ValueFrame, low: f64, high: f64) -> String {
+    let beyond = low.abs().max(high.abs()) > f64::from(f32::MAX);
+    let range = if beyond { format!(" from {low:.6e} to {high:.6e}, beyond f32,") } else { String::new() };
+    let held = if frame.has_offset() {
+        "f32 distances from one of them, to seven digits of their range"
+    } else {
+        "f32 multiples of a power of two, to seven digits of the largest"
+    };
+    format!("{name} voxels{range} are held as {held}")
 }
 
 #[cfg(test)]

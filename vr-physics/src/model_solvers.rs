@@ -1,5 +1,6 @@
 //! A renderer's own model, solved in f64: the sum over its segments, or the integral of its own medium.
 
+use vr_core::cancel;
 use vr_core::{ContinuousModel, Medium, Ray, SegmentTerm};
 
 use crate::nodes::rule;
@@ -46,6 +47,7 @@ pub fn integrate_continuous(model: &dyn ContinuousModel, ray: &Ray) -> Transport
     };
     let (mut light_error, mut depth_error, mut certain) = (Bound::ZERO, Bound::ZERO, true);
     for pair in breakpoints.windows(2).filter(|w| w[1] > w[0]) {
+        cancel::poll();
         let bounds = model.bounds(ray, pair[0], pair[1]);
         certain &= bounds.is_some();
         for part in 0..PARTS {

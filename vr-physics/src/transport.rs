@@ -5,6 +5,7 @@
 //! tolerance, else halved.
 
 use vr_core::bound::{Bound, largest};
+use vr_core::cancel::{self, SparsePoll};
 use vr_core::field::{FieldLine, LineColor, LineModel, Poly};
 use vr_core::transfer::Segment;
 
@@ -78,6 +79,8 @@ impl Transport {
 ///
 /// `level` cuts the integral where the opacity reaches it (1: never).
 pub fn transport(line: &dyn FieldLine, optics: &Optics<'_>, tolerance: f64, level: f64) -> Transport {
+    // Short rays make few turns, and there may be many of them.
+    cancel::poll();
     let mut breakpoints = Vec::with_capacity(64);
     line.breakpoints(&mut breakpoints);
     let length = match (breakpoints.first(), breakpoints.last()) {
@@ -111,10 +114,12 @@ pub fn transport(line: &dyn FieldLine, optics: &Optics<'_>, tolerance: f64, leve
         cuts: Vec::new(),
         values: Vec::new(),
     };
+    let mut poll = SparsePoll::default();
     for (i, pair) in breakpoints.windows(2).enumerate() {
         if walk.ended {
             break;
         }
+        poll.turn();
         walk.edge(line, &breakpoints, i);
         if pair[1] > pair[0] {
             walk.stretch(line, pair[0], pair[1], 0);
@@ -397,6 +402,7 @@ impl Walk<'_> {
 
     fn halve(&mut self, (model, color): Place<'_>, s: f64, half: f64, halvings: u32, whole: Whole<'_>) {
         self.splits += 1;
+        cancel::poll();
         let [near, far] = [(-1.0, 0.0), (0.0, 1.0)].map(|(a, b)| color.map(|color| color.restricted(a, b)));
         self.part((&model.restricted(-1.0, 0.0), near.as_ref()), s, 0.5 * half, halvings + 1, whole);
         if !self.ended {

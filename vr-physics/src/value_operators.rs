@@ -2,6 +2,7 @@
 
 use vr_core::TransferFunction;
 use vr_core::bound::{Bound, largest};
+use vr_core::cancel;
 use vr_core::field::{FieldLine, LineModel, Poly};
 
 use crate::crossings::crossings;
@@ -127,6 +128,7 @@ pub(crate) fn stretches(line: &dyn FieldLine, halvings: u32, matters: &dyn Fn(&L
     let (mut breakpoints, mut out) = (Vec::new(), Vec::new());
     line.breakpoints(&mut breakpoints);
     for w in breakpoints.windows(2).filter(|w| w[1] > w[0]) {
+        cancel::poll();
         refine(line, (w[0], w[1]), halvings, matters, &mut out);
     }
     out

@@ -124,6 +124,7 @@ mod pace;
 mod packet;
 mod pipeline;
 mod place_colors;
+mod polled_tracer;
 mod prepared;
 mod projection;
 mod ray_value;

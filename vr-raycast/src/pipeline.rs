@@ -1,6 +1,7 @@
 //! Plain engine: one ray after another through the passes.
 
 use glam::DVec3;
+use vr_core::cancel::SparsePoll;
 use vr_core::field::Stretch;
 use vr_core::image_order::ImageSample;
 use vr_core::{Clip, Counts, IndexRay, Layer, Probe, Ray, RayShading, Rays, Real, Scene, View};
@@ -211,7 +212,9 @@ impl<'a, R: Real> Pipeline<'a, R> {
             counts.samples += 1;
             ended = operator.take(run, chord).is_break();
         }
+        let mut poll = SparsePoll::default();
         while !ended && walk.next(&mut run.steps) {
+            poll.turn();
             run.offset = self.offset;
             if is_placed {
                 chord.place(run, self.offset);

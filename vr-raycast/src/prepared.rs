@@ -1,11 +1,12 @@
 //! Ray caster that has seen its scene.
 
+use glam::DVec3;
 use vr_core::{
     Control, Filter, Layer, Model, ParameterError, Prepared, Probe, Rays, Real, RenderError, Rendered, Scene, View,
 };
 
 use crate::capabilities::{check, check_view};
-use crate::caster::{EmptySpace, Precision, RayCaster, Rule, Traversal};
+use crate::caster::{EmptySpace, Precision, RayCaster, Rule, Step, Traversal};
 use crate::engine::Engine;
 use crate::error_bound::BoundedRays;
 use crate::leap::visibility;
@@ -13,9 +14,11 @@ use crate::pace::Pace;
 use crate::packet::{PacketFrame, PatchFrame, PickFrame, PointFrame};
 use crate::pipeline::Pipeline;
 use crate::place_colors::PlaceColors;
+use crate::polled_tracer::PolledTracer;
 use crate::render_tables::{RenderTables, TablesByPrecision};
 use crate::screen;
 use crate::source::Source;
+use crate::step_map::SHORTEST;
 use crate::tracer::Tracer;
 use crate::walk::{WalkKind, Walks};
 
@@ -138,7 +141,7 @@ impl PreparedCaster {
         &'a self,
         seen @ (view, layer): (&'a View, Option<&'a Layer>),
     ) -> Result<Box<dyn Tracer + 'a>, RenderError> {
-        Ok(match &self.engine {
+        let tracer: Box<dyn Tracer + 'a> = match &self.engine {
             Engine::Picks(engine, TablesByPrecision::F32(tables)) => {
                 Box::new(PickFrame::new(engine, self.pipeline(tables, seen)?)?)
             }
@@ -161,7 +164,20 @@ impl PreparedCaster {
                     packets: error_bound.packets(view)?,
                 })
             }
-        })
+        };
+        Ok(Box::new(PolledTracer::new(tracer, self.max_steps())))
+    }
+
+    /// Number of steps that a ray takes at most, about: from corner to corner in the shortest ones.
+    fn max_steps(&self) -> f64 {
+        let (placement, dims) = (self.source.placement(), self.source.dims());
+        let diagonal = placement.axes() * DVec3::from_array(dims.map(|n| (n - 1) as f64));
+        let shortest = match self.caster.step {
+            Step::Local { .. } => SHORTEST * placement.spacing().min_element(),
+            // A voxel where steps have no one length: cells are crossed in few.
+            _ => self.caster.world_step(placement),
+        };
+        diagonal.length() / shortest
     }
 
     /// Returns the plain engine with a view and the surfaces in it.

@@ -7,7 +7,7 @@ use vr_core::filter::Lattice;
 use vr_core::image_order::in_parallel;
 use vr_core::{
     Compositing, Control, Filter, Frame, GridVolume, LatticeVisitor, Model, ParameterError, PointSet, Prepared,
-    RenderError, RenderStats, Rendered, Scene, View, Voxel,
+    RenderError, RenderStats, Rendered, Scene, View, Voxel, memory,
 };
 use vr_kernels::vector::Operator;
 
@@ -293,9 +293,12 @@ impl PreparedSplatter {
             Buffers::Axis => Keys::Own,
             Buffers::Samples => Keys::Depth,
         };
+        let [across, down] = splat_view.size.map(|n| n.div_ceil(TILE));
+        // Each thread is at a tile.
+        let tiles = u64::from(across * down).min(control.threads() as u64);
+        memory::check("the sheets of the tiles", tiles * painter.sheet_bytes())?;
         // Tiles, in groups of rows whose splats fit into the memory allowed.
         let mut picture = Picture::new(renderer, scene, view, calibration, operator);
-        let [across, down] = splat_view.size.map(|n| n.div_ceil(TILE));
         let rows = rows_at_once(source.count(), down);
         for first in (0..down).step_by(rows as usize) {
             let last = (first + rows).min(down);

@@ -39,6 +39,13 @@ impl Compressed {
         Self { vacuum: volume.vacuum_cells().cloned(), ..all }
     }
 
+    /// Bytes that the texture of a volume takes here.
+    pub(crate) fn bytes_in_memory(volume: &GridVolume) -> u64 {
+        let blocks: usize = volume.dims().iter().map(|n| n.div_ceil(EDGE)).product();
+        let words = bits_of_level(volume.voxel_type().bytes()) as usize;
+        (blocks * (size_of::<[f32; 2]>() + words * size_of::<u64>())) as u64
+    }
+
     pub(crate) fn dims(&self) -> [usize; 3] {
         self.dims
     }
@@ -176,6 +183,11 @@ pub(crate) fn gradient_of_texels<R: Real>(dims: [usize; 3], at: [R; 3], texel: i
     gradient_between_samples(&lattice, std::array::from_fn(|a| at[a] - R::from_index(low[a])))
 }
 
+/// Bits of a texel's level, and words of a block, of samples of so many bytes.
+fn bits_of_level(bytes: usize) -> u32 {
+    if bytes == 1 { 3 } else { 4 }
+}
+
 struct Compress {
     end_bytes: usize,
 }
@@ -186,7 +198,7 @@ impl LatticeVisitor for Compress {
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Compressed {
         let dims = lattice.dims;
         let blocks = dims.map(|n| n.div_ceil(EDGE));
-        let bits = if self.end_bytes == 1 { 3u32 } else { 4 };
+        let bits = bits_of_level(self.end_bytes);
         let count = blocks.iter().product();
         let (mut ends, mut levels) = (vec![[0.0; 2]; count], vec![0u64; count * bits as usize]);
         // A row of blocks along x is a task.
@@ -250,6 +262,9 @@ mod tests {
         }
         assert_eq!(bytes.cell([3, 2, 1])[7], bytes.at([4, 3, 2]));
         assert_eq!((bytes.bytes(), floats.bytes()), (3 * 2 * 2 * 26, 3 * 2 * 2 * 40));
+        for made in [bytes, floats] {
+            assert_eq!(size_of_val(&*made.ends) + size_of_val(&*made.levels), 12 * (8 + 8 * made.bits as usize));
+        }
     }
 
     #[test]

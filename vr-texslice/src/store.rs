@@ -75,15 +75,19 @@ impl TextureStore {
     /// The textures that are made before there is a view: compressed blocks.
     ///
     /// # Errors
-    /// [`RenderError::TooLarge`] where the budget does not hold them.
+    /// [`RenderError::TooLarge`] where the budget does not hold them, [`RenderError::Memory`] where there is too little memory.
     pub(crate) fn new(
         renderer: &TextureSlicer,
         volume: &GridVolume,
         control: &Control,
         stats: &mut RenderStats,
     ) -> Result<Self, RenderError> {
-        let compressed = (renderer.format == Format::Compressed)
-            .then(|| stats.time("compress", || Arc::new(control.run(|| Compressed::new(volume)))));
+        let is_compressed = renderer.format == Format::Compressed;
+        if is_compressed {
+            memory::check("the compressed texture", Compressed::bytes_in_memory(volume))?;
+        }
+        let compressed =
+            is_compressed.then(|| stats.time("compress", || Arc::new(control.run(|| Compressed::new(volume)))));
         if let Some(compressed) = &compressed {
             hold("the compressed texture", compressed.bytes(), renderer.bytes())?;
         }

@@ -1,8 +1,10 @@
 //! Labels of a volume, listed.
 
+use std::path::Path;
+
 use serde::Serialize;
 use vr_core::Volume;
-use vr_core::labels::LabelMap;
+use vr_core::labels::LabelCounts;
 use vr_io::{FileInfo, LabelEntry, LoadedLabels};
 use vr_look::Kind;
 
@@ -39,29 +41,38 @@ impl LabelTable {
     /// A list of names that cannot be read; values that are no labels beside one.
     pub fn of(args: &InfoArgs, volume: &Volume, info: Option<&FileInfo>, kind: &Kind) -> Result<Option<Self>, Failure> {
         let names = args.label_names.as_deref();
-        // Files alone have segments and names; a file without a header is not read again.
-        let found = match args.volume.path.as_deref().filter(|_| info.is_some_and(|info| info.format != "raw")) {
+        let is_labels = matches!(kind, Kind::Labels(_));
+        // Segments have names in the header of their file, and may lie in layers that the volume does not show.
+        let has_segments = |path: &&Path| info.is_some() && vr_io::has_segments(path);
+        let segmented = args.volume.path.as_deref().filter(has_segments);
+        // A volume of values: no list is asked for, and counting takes long.
+        if !is_labels && names.is_none() && segmented.is_none() {
+            return Ok(None);
+        }
+        let found = match segmented {
             Some(path) => vr_io::read_labels(path, names)
-                .map(|LoadedLabels { map, entries, .. }| (map, entries))
+                .map(|LoadedLabels { map, entries, .. }| (map.counts().clone(), entries))
                 .map_err(Failure::failed),
             None => {
                 let grid = volume.grid().ok_or_else(|| Failure::failed("only grids have labels"))?;
                 let entries = names.map(vr_io::read_label_list).transpose().map_err(Failure::failed)?;
-                LabelMap::new(grid.values()).map(|map| (map, entries.unwrap_or_default())).map_err(Failure::failed)
+                LabelCounts::new(grid.values())
+                    .map(|counts| (counts, entries.unwrap_or_default()))
+                    .map_err(Failure::failed)
             }
         };
-        let (map, entries) = match found {
+        let (counts, entries) = match found {
             Ok(found) => found,
             Err(e) if names.is_some() => return Err(e),
-            // A volume of values: no list is asked for.
+            // The survey saw whole numbers, and others lie between.
             Err(_) => return Ok(None),
         };
-        let is_labels = matches!(kind, Kind::Labels(_)) || !entries.is_empty();
+        let is_labels = is_labels || !entries.is_empty();
         let unit = match info.and_then(|info| info.units.as_deref()) {
             Some(unit) => format!("{unit}³"),
             None => "volume".to_owned(),
         };
-        Ok(is_labels.then(|| Self { unit, rows: rows(&map, &entries) }))
+        Ok(is_labels.then(|| Self { unit, rows: rows(&counts, &entries) }))
     }
 
     /// Returns the rows as text.
@@ -78,19 +89,19 @@ impl LabelTable {
     }
 }
 
-fn rows(map: &LabelMap, entries: &[LabelEntry]) -> Vec<Row> {
-    let mut labels: Vec<i32> = map.labels().iter().copied().chain(entries.iter().map(|e| e.label)).collect();
+fn rows(counts: &LabelCounts, entries: &[LabelEntry]) -> Vec<Row> {
+    let mut labels: Vec<i32> = counts.labels().iter().copied().chain(entries.iter().map(|e| e.label)).collect();
     labels.sort_unstable();
     labels.dedup();
     let row = |label: i32| {
         let entry = entries.iter().find(|e| e.label == label);
-        let voxels = map.count(label);
+        let voxels = counts.count(label);
         Row {
             label,
             name: entry.and_then(|e| e.name.clone()),
             color: entry.and_then(|e| e.color),
             voxels,
-            volume: voxels as f64 * map.voxel_volume(),
+            volume: voxels as f64 * counts.voxel_volume(),
         }
     };
     // A list of an atlas names hundreds that are not there.

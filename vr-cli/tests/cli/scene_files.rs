@@ -121,3 +121,49 @@ fn a_real_volume_comes_back() {
     }
     drawn_the_same(&vr, &[file.to_str().unwrap(), "--size", "24"]);
 }
+
+#[test]
+fn flags_of_the_camera_override_single_keys() {
+    let vr = Vr::new();
+    let scene = |camera: &str| {
+        format!("[volume]\nphantom = \"blobs\"\nsize = 16\n\n[camera]\n{camera}\n\n[image]\nsize = [24, 24]\n")
+    };
+    let picture = |camera: &str, flags: &str| {
+        vr.write("s.toml", scene(camera));
+        vr.run(&format!("render --scene s.toml --error none --force -o s.png {flags}")).succeeded();
+        vr.picture("s.png")
+    };
+    let flat = "azimuth = 10\nelevation = 5\nheight = 1.5\n";
+    let deep = "azimuth = 10\nelevation = 5\nprojection = \"perspective\"\nfov = 50\n";
+    let placed = "eye = [3, 2, 4]\ntarget = [0, 0, 0.2]\nup = [0, 1, 0]\nheight = 1.5\n";
+    for (camera, flags, same_as) in [
+        (flat, "--azimuth 70", "azimuth = 70\nelevation = 5\nheight = 1.5\n"),
+        (flat, "--elevation=-40", "azimuth = 10\nelevation = -40\nheight = 1.5\n"),
+        (flat, "--height 0.7", "azimuth = 10\nelevation = 5\nheight = 0.7\n"),
+        (flat, "--target 0.2,0,0", "azimuth = 10\nelevation = 5\nheight = 1.5\ntarget = [0.2, 0, 0]\n"),
+        (flat, "--up 0,0,1", "azimuth = 10\nelevation = 5\nheight = 1.5\nup = [0, 0, 1]\n"),
+        (flat, "--eye 3,2,4", "eye = [3, 2, 4]\nheight = 1.5\n"),
+        (flat, "--projection orthographic", flat),
+        (flat, "--fov 50", deep),
+        (flat, "--projection perspective", "azimuth = 10\nelevation = 5\nprojection = \"perspective\"\n"),
+        (deep, "--azimuth 70", "azimuth = 70\nelevation = 5\nprojection = \"perspective\"\nfov = 50\n"),
+        (deep, "--fov 20", "azimuth = 10\nelevation = 5\nprojection = \"perspective\"\nfov = 20\n"),
+        (deep, "--projection perspective", deep),
+        (deep, "--projection orthographic", "azimuth = 10\nelevation = 5\n"),
+        (deep, "--height 1.5", flat),
+        (placed, "--eye 4,2,3", "eye = [4, 2, 3]\ntarget = [0, 0, 0.2]\nup = [0, 1, 0]\nheight = 1.5\n"),
+        (placed, "--height 2", "eye = [3, 2, 4]\ntarget = [0, 0, 0.2]\nup = [0, 1, 0]\nheight = 2\n"),
+        // Angles take the place of the eye, and all is seen from them.
+        (placed, "--azimuth 70 --elevation 5", "azimuth = 70\nelevation = 5\n"),
+    ] {
+        let (by_flag, by_key) = (picture(camera, flags), picture(same_as, ""));
+        assert!(by_flag == by_key, "{camera}{flags}");
+        if same_as != camera {
+            assert!(by_flag != picture(camera, ""), "no effect: {camera}{flags}");
+        }
+    }
+    // A wrong flag is the command line's fault, though the key is in the file, too; a wrong key that a flag overrides does no harm.
+    vr.write("s.toml", scene(deep));
+    assert!(vr.run("render --scene s.toml --fov 200").failed(2).contains("camera.fov"));
+    picture("projection = \"perspective\"\nfov = 200\n", "--fov 20");
+}

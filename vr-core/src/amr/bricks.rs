@@ -7,6 +7,7 @@ use super::check::each_index;
 use super::grid::AmrGrid;
 use super::level::{divided, plus};
 use super::solid_elements::SolidElements;
+use crate::cancel;
 use crate::parallel::collect;
 
 /// Largest number of cells along the edge of a brick.
@@ -50,6 +51,10 @@ pub(super) struct Brick {
 
 impl Bricks {
     pub(super) fn new(grid: &AmrGrid) -> Self {
+        // Each is there twice for a moment: in its block's list, and in the list of all.
+        let count = |number: usize| brick_box(grid, number)[1].iter().product::<i64>() as u64;
+        let all: u64 = (0..grid.blocks.len()).map(count).sum();
+        cancel::claim("the bricks of the adaptive mesh", 2 * size_of::<Brick>() as u64 * all);
         let of_block = |number: usize| {
             let [from, to] = brick_box(grid, number);
             each_index([0; 3], plus(to, from.map(|x| -x))).map(|at| brick(grid, number, at)).collect::<Vec<_>>()

@@ -54,6 +54,30 @@ impl AmrSamples<'_> {
         }
     }
 
+    /// Bytes of the values of a block's [`lattice`](Self::lattice), known before that is made; 0 where there is none.
+    pub fn lattice_bytes(&self, number: usize) -> u64 {
+        match self.grid.centring() {
+            AmrCentring::Points if self.is_complete(number) => 0,
+            centring => self.bytes_with_border(number, AmrLattice::border(centring)),
+        }
+    }
+
+    /// Bytes of the values of a block's [`difference_lattice`](Self::difference_lattice), known before that is made.
+    pub fn difference_lattice_bytes(&self, number: usize) -> u64 {
+        self.bytes_with_border(number, AmrLattice::border(self.grid.centring()) + 1)
+    }
+
+    fn bytes_with_border(&self, number: usize, border: usize) -> u64 {
+        let samples: usize = self.grid.blocks()[number].dims.iter().map(|n| n + 2 * border).product();
+        (samples * size_of::<f32>()) as u64
+    }
+
+    /// True if no coarser leaf touches a block, on any side.
+    fn is_complete(&self, number: usize) -> bool {
+        let complete = self.grid.bricks().complete_sides(number);
+        (0..27).all(|side| complete >> side & 1 == 1)
+    }
+
     /// Samples of a block with those that central differences at the samples of its [`lattice`](Self::lattice) are made of: with a border of one more
     /// than that has. Beyond the level it has the field, and where that is vacuum, the value that makes the difference one-sided; NaN where two differences
     /// ask for different ones, and where none asks for any.
@@ -129,11 +153,11 @@ impl AmrSamples<'_> {
     fn unified(&self, number: usize) -> Option<AmrLattice> {
         let grid = self.grid;
         let block = &grid.blocks()[number];
-        let complete = grid.bricks().complete_sides(number);
-        let is_complete = |side: [usize; 3]| complete >> (side[0] + 3 * side[1] + 9 * side[2]) & 1 == 1;
-        if each_index([0; 3], [3; 3]).all(|side| is_complete(side.map(|s| s as usize))) {
+        if self.is_complete(number) {
             return None;
         }
+        let complete = grid.bricks().complete_sides(number);
+        let is_complete = |side: [usize; 3]| complete >> (side[0] + 3 * side[1] + 9 * side[2]) & 1 == 1;
         let mut values = block.values.clone();
         let dims = block.dims.map(|n| n as i64);
         // Sides of the block on which the cells around a point lie.

@@ -2,6 +2,7 @@
 
 use super::block::AmrCentring;
 use super::grid::AmrGrid;
+use crate::cancel;
 use crate::parallel::collect;
 
 /// For each block, the blocks of its level that hold the samples beside it: in 27 places, from those beyond its lowest corner on, x fastest; its own
@@ -34,6 +35,7 @@ impl Neighbors {
                 near.iter().copied().find(|&n| grid.blocks[n as usize].holds(from, to)).unwrap_or(SEVERAL)
             })
         };
+        cancel::claim("the neighbours of blocks", (grid.blocks.len() * size_of::<[u32; 27]>()) as u64);
         Self(collect(grid.blocks.len(), beside))
     }
 

@@ -1,25 +1,19 @@
 //! Labels on a lattice.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::iter::repeat_n;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use glam::DVec3;
 
 use super::error::LabelError;
+use super::label_counts::{LabelCounts, PART, label_of};
 use crate::any_grid::AnyGrid;
 use crate::grid::UniformGrid;
 use crate::memory;
-use crate::parallel::{each_part, locked, try_collect};
+use crate::parallel::each_part;
 use crate::placement::Placement;
 use crate::voxel::Voxel;
 use crate::with_grid;
-
-/// Largest number of different labels: ranks are kept in 16 bits.
-const MAX_LABELS: usize = 1 << 16;
-
-/// Voxels that a thread takes at once: some milliseconds of work.
-const PART: usize = 1 << 20;
 
 /// Labels at the voxels of a lattice: whole numbers, of which 0 is the background. Cloning is cheap: the voxels are shared.
 ///
@@ -45,10 +39,7 @@ const PART: usize = 1 << 20;
 pub struct LabelMap {
     dims: [usize; 3],
     placement: Placement,
-    /// The labels, ascending; 0 is one of them, whether or not a voxel has it.
-    labels: Vec<i32>,
-    /// Number of voxels of each.
-    counts: Vec<usize>,
+    counts: LabelCounts,
     /// Rank of the background.
     background: u16,
     /// Rank of each voxel's label.
@@ -65,22 +56,7 @@ impl LabelMap {
     }
 
     fn of<T: Voxel>(grid: &UniformGrid<T>) -> Result<Self, LabelError> {
-        let (dims, calibration) = (grid.dims(), grid.calibration());
-        let label = |i: usize, stored: T| -> Result<i32, LabelError> {
-            if stored.is_missing() {
-                return Ok(0);
-            }
-            let found = calibration.value(f64::from(stored.to_f32()));
-            // `as` saturates, and what is beyond does not come back.
-            let label = found as i32;
-            if f64::from(label) == found {
-                return Ok(label);
-            }
-            let index = [i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1])];
-            Err(LabelError::Value { index, found })
-        };
-        let samples = grid.samples();
-        Self::of_labels(dims, *grid.placement(), |i| label(i, samples[i]))
+        Self::of_labels(grid.dims(), *grid.placement(), label_of(grid))
     }
 
     /// The map of the labels of voxels, each of which is asked for twice.
@@ -90,53 +66,25 @@ impl LabelMap {
         label: impl Fn(usize) -> Result<i32, LabelError> + Sync,
     ) -> Result<Self, LabelError> {
         let count: usize = dims.iter().product();
-        let too_many = LabelError::TooMany { limit: MAX_LABELS };
-        // List the labels of each part; neighbours mostly have the same one.
-        let seen = try_collect(count.div_ceil(PART), |part| {
-            let mut seen = BTreeSet::from([0]);
-            let mut last = 0;
-            for i in part * PART..count.min((part + 1) * PART) {
-                let label = label(i)?;
-                if label != last && seen.insert(label) && seen.len() > MAX_LABELS {
-                    return Err(too_many.clone());
-                }
-                last = label;
-            }
-            Ok(seen)
-        })?;
-        let mut all = BTreeSet::from([0]);
-        for seen in seen {
-            all.extend(seen);
-            if all.len() > MAX_LABELS {
-                return Err(too_many);
-            }
-        }
-        let labels: Vec<i32> = all.into_iter().collect();
-        // Rank the voxels where they stay, and count them.
+        let counts = LabelCounts::of(count, placement.axes().determinant().abs(), &label)?;
+        // Rank the voxels where they stay.
         memory::check("the ranks of labels", (count * size_of::<u16>()) as u64)?;
-        let background = rank_of(&labels, 0);
+        let background = rank_of(counts.labels(), 0);
         let mut ranks: Arc<[u16]> = repeat_n(background, count).collect();
-        let counts = Mutex::new(vec![0; labels.len()]);
         let places = Arc::get_mut(&mut ranks).expect("it has one owner so far");
         each_part(places.chunks_mut(PART), |part, ranks| {
-            let mut counted = BTreeMap::<u16, usize>::new();
-            let (mut last, mut run) = ((0, background), 0);
+            // Neighbours mostly have the same one.
+            let mut last = (0, background);
             for (i, rank) in ranks.iter_mut().enumerate() {
                 // Each has had its label a moment ago.
                 let label = label(part * PART + i).unwrap_or_default();
                 if label != last.0 {
-                    *counted.entry(last.1).or_default() += run;
-                    (last, run) = ((label, rank_of(&labels, label)), 0);
+                    last = (label, rank_of(counts.labels(), label));
                 }
                 *rank = last.1;
-                run += 1;
             }
-            *counted.entry(last.1).or_default() += run;
-            let mut counts = locked(&counts);
-            counted.iter().for_each(|(&rank, n)| counts[usize::from(rank)] += n);
         });
-        let counts = counts.into_inner().unwrap_or_else(PoisonError::into_inner);
-        Ok(Self { dims, placement, labels, counts, background, ranks })
+        Ok(Self { dims, placement, counts, background, ranks })
     }
 
     /// The labels that `label` makes of those of this map and of another one on a lattice of the same size, voxel by voxel.
@@ -148,7 +96,7 @@ impl LabelMap {
     /// Panics if the lattices have different sizes.
     pub fn combined(&self, other: &Self, label: impl Fn(i32, i32) -> i32 + Sync) -> Result<Self, LabelError> {
         assert_eq!(self.dims, other.dims, "two maps of one lattice");
-        let own = |map: &Self, i: usize| map.labels[usize::from(map.ranks[i])];
+        let own = |map: &Self, i: usize| map.labels()[usize::from(map.ranks[i])];
         Self::of_labels(self.dims, self.placement, |i| Ok(label(own(self, i), own(other, i))))
     }
 
@@ -162,24 +110,29 @@ impl LabelMap {
         &self.placement
     }
 
+    /// The labels, with the number of voxels of each.
+    pub fn counts(&self) -> &LabelCounts {
+        &self.counts
+    }
+
     /// The labels, ascending; 0, the background, is always one of them.
     pub fn labels(&self) -> &[i32] {
-        &self.labels
+        self.counts.labels()
     }
 
     /// Number of voxels that have a label.
     pub fn count(&self, label: i32) -> usize {
-        self.labels.binary_search(&label).map_or(0, |rank| self.counts[rank])
+        self.counts.count(label)
     }
 
     /// World volume of a voxel.
     pub fn voxel_volume(&self) -> f64 {
-        self.placement.axes().determinant().abs()
+        self.counts.voxel_volume()
     }
 
     /// Label of a world position.
     pub fn label_at(&self, at: DVec3) -> i32 {
-        self.labels[usize::from(self.rank_near(self.placement.to_index(at)))]
+        self.labels()[usize::from(self.rank_near(self.placement.to_index(at)))]
     }
 
     /// Lower and upper corner of the world box around all voxels.

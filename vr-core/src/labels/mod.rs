@@ -7,6 +7,7 @@
 
 mod boundary;
 mod error;
+mod label_counts;
 mod label_map;
 mod labelled_grid;
 mod lattice_ray;
@@ -14,6 +15,7 @@ mod line;
 mod style;
 
 pub use error::LabelError;
+pub use label_counts::LabelCounts;
 pub use label_map::LabelMap;
 pub use labelled_grid::LabelledGrid;
 pub use style::LabelStyle;

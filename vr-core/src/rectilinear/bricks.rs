@@ -2,6 +2,7 @@
 
 use super::axis::Axis;
 use super::segment::Segment;
+use crate::cancel;
 use crate::filter::Lattice;
 use crate::grid::Calibration;
 use crate::grid_volume::GridVolume;
@@ -62,6 +63,10 @@ impl Bricks {
 
     pub(super) fn new(axes: &[Axis; 3], lattice: &GridVolume) -> Self {
         let counts = lattice.dims().map(|n| (n - 1).div_ceil(Self::EDGE));
+        cancel::claim(
+            "the bricks of the rectilinear grid",
+            (counts.iter().product::<usize>() * size_of::<Brick>()) as u64,
+        );
         let bricks = with_grid!(lattice.values(), grid => {
             let lattice = Lattice { samples: grid.samples(), dims: grid.dims() };
             collect(counts.iter().product(), |brick| {

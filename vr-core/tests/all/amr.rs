@@ -367,8 +367,12 @@ fn lattices_hold_the_samples_around_every_place_of_a_block() {
             let (mut known, mut sloped) = (0, 0);
             for (number, block) in grid.blocks().iter().enumerate() {
                 let own = AmrLattice { dims: block.dims, values: block.values.clone() };
-                let lattice = samples.lattice(number).unwrap_or(own);
+                let made = samples.lattice(number);
+                let bytes = |lattice: &AmrLattice| size_of_val(&*lattice.values) as u64;
+                assert_eq!(samples.lattice_bytes(number), made.as_ref().map_or(0, bytes));
+                let lattice = made.unwrap_or(own);
                 let differences = samples.difference_lattice(number);
+                assert_eq!(samples.difference_lattice_bytes(number), bytes(&differences));
                 let at = |lattice: &AmrLattice, place: [i32; 3]| {
                     let [x, y, z] = place.map(|i| i as usize);
                     lattice.values[(z * lattice.dims[1] + y) * lattice.dims[0] + x]

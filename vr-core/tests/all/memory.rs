@@ -3,9 +3,14 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec3;
+use vr_core::amr::{AmrBlock, AmrCentring};
 use vr_core::cancel::Stopped;
 use vr_core::labels::{LabelError, LabelMap};
-use vr_core::{AnyGrid, Calibration, Control, Filter, Placement, PointKernel, PointSet, UniformGrid, Volume, memory};
+use vr_core::rectilinear::Centering;
+use vr_core::{
+    AmrGrid, AnyGrid, Calibration, Control, Filter, Placement, PointKernel, PointSet, RectilinearGrid, UniformGrid,
+    Volume, memory,
+};
 
 /// Bytes that the meter says are left.
 static LEFT: AtomicU64 = AtomicU64::new(u64::MAX);
@@ -50,6 +55,22 @@ fn what_does_not_fit_is_refused_before_it_is_made() {
     let points = Volume::from(points);
     let refused = refusal(&points, 2 * count).unwrap();
     assert!(refused.starts_with("the tree of boxes would need "), "{refused}");
+    // Eight bricks of 12 bytes for each block of 64 cells, in two lists for a moment.
+    let first = |i: i64| [64 * (i % 32), i / 32 % 32, i / 1024];
+    let block = |i: i64| AmrBlock { level: 0, first: first(i), dims: [64, 1, 1], values: vec![0.5; 64] };
+    let blocks = (0..1 << 15).map(block).collect();
+    let mesh = AmrGrid::new(DVec3::ZERO, DVec3::ONE, Vec::new(), blocks, AmrCentring::Cells).unwrap();
+    let refused = refusal(&Volume::from(mesh), 3 * count).unwrap();
+    assert!(refused.starts_with("the bricks of the adaptive mesh would need 6.3 MB"), "{refused}");
+    // A brick of 12 bytes for each row of eight cells.
+    let axes = [vec![0.0, 1.0], vec![0.0, 1.0], (0..=800_000).map(|i| f64::from(i).powf(1.1)).collect()];
+    let uneven = RectilinearGrid::new(axes, vec![0.5; 4 * 800_001], Centering::Points).unwrap();
+    // Made when a ray first asks for them.
+    LEFT.store(count, Ordering::Relaxed);
+    let outcome = Control::default().cancellable(|| uneven.bricks().len());
+    LEFT.store(u64::MAX, Ordering::Relaxed);
+    let refused = outcome.unwrap_err().to_string();
+    assert!(refused.starts_with("the bricks of the rectilinear grid would need 1.2 MB"), "{refused}");
     // A refusal leaves nothing behind: with the memory there, all are made.
     for volume in [&spline, &missing, &points] {
         assert_eq!(refusal(volume, 100 * count), None);

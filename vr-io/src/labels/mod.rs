@@ -32,6 +32,11 @@ pub struct LoadedLabels {
     pub notes: Vec<String>,
 }
 
+/// True if the header of a file lists segments, which have names and may lie in layers: [`read_labels`] tells more of them than [`read()`] does.
+pub fn has_segments(path: impl AsRef<Path>) -> bool {
+    Segments::of_file(path.as_ref()).is_ok_and(|segments| segments.is_some())
+}
+
 /// Reads labels: a volume of whole numbers in any format of [`read()`], and 3D Slicer's segmentations (`.seg.nrrd`) with the segments' names
 /// and colours. `list` is a file of names and colours ([`read_label_list`]), which comes before the file's own.
 ///

@@ -108,8 +108,9 @@ fn typed_grid<T: Voxel>(
     let dims = grid.dims.ok_or_else(missing)?;
     let convert = |(i, &x): (usize, &f64)| {
         let t = cast(x);
-        // Integers must be exact; f32 rounds, as any file would.
-        if T::TYPE.is_integer() && f64::from(t.to_f32()) != x {
+        // Integers must be exact; f32 rounds, as any file would, and is not to make an infinity of a number.
+        let held = f64::from(t.to_f32());
+        if T::TYPE.is_integer() && held != x || x.is_finite() && !held.is_finite() {
             let allowed = "must be a number that volume.type can hold";
             return Err(ParameterError::new(format!("volume.data[{i}]"), x, allowed));
         }

@@ -219,7 +219,7 @@ impl CameraSection {
     ///
     /// # Errors
     /// Keys that do not go together, or a camera that sees nothing.
-    pub(super) fn camera(&self, framed: impl FnOnce(Option<f64>) -> Camera) -> Result<Camera, ParameterError> {
+    pub fn camera(&self, framed: impl FnOnce(Option<f64>) -> Camera) -> Result<Camera, ParameterError> {
         let &Self { projection, eye, target, up, azimuth, elevation, height, fov } = self;
         // Refuse keys that would have no effect.
         let is_perspective = projection == ProjectionName::Perspective;

@@ -1,6 +1,7 @@
 //! Tests of the crate from outside, in one program: it is linked once, and its tests run side by side.
 
 mod adaptive;
+mod beyond_f32;
 mod cancelled;
 mod cells;
 mod colors;

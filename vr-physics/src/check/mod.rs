@@ -33,9 +33,10 @@
 //! of the caller, such as [scattered points](strategies::tame_point_scene).
 //!
 //! [`strategies`] has the random scenes for the caller's own checks, [`transformed`] the scenes that must look the same, [`pictures`] small
-//! scenes, their pictures and the errors of these, and [`faulty_marcher`] a renderer with mistakes, to check checks with.
+//! scenes, their pictures and the errors of these, [`time_to_cancel`] a picture that is broken off, and [`faulty_marcher`] a renderer with mistakes, to check checks with.
 
 mod agreement;
+mod cancelling;
 mod convergence;
 mod documented;
 mod drawn;
@@ -60,6 +61,7 @@ mod tests;
 mod volume_tests;
 
 pub use agreement::{agrees_with_its_model, agrees_with_reference, agrees_with_reference_on};
+pub use cancelling::time_to_cancel;
 pub use convergence::{Convergence, Refinement, converges};
 pub use documented::{converges_as_documented, documents_what_can_be_set, survives_documented_cases};
 pub use effort::{Effort, Volumes};

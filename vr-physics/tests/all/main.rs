@@ -2,6 +2,7 @@
 
 mod amr;
 mod brute;
+mod cancelled;
 mod cells;
 mod closed_forms;
 mod colored_grids;

@@ -31,7 +31,7 @@ impl ChessboardCloud {
             chessboard_distances(grid.blocks, &mut distances);
             distances
         };
-        let (to_visible, to_clear) = rayon::join(|| to(blocks), || to(&blocks.inverted()));
+        let (to_visible, to_clear) = vr_core::parallel::join(|| to(blocks), || to(&blocks.inverted()));
         let stored =
             |(visible, clear): (u8, u8)| if visible == 0 { VISIBLE | clear.min(FAR) } else { visible.min(FAR) };
         let distances = to_visible.into_iter().zip(to_clear).map(stored).collect();

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
+use vr_core::parallel::collect;
 use vr_core::{Compositing, Filter, GridVolume, Scene, TransferFunction};
 use vr_kernels::ranges::LevelRanges;
 
@@ -151,10 +151,10 @@ impl Homogeneity {
                 node.bend = bend;
             }
             // From the leaves up: what a larger node says counts.
-            let found: Vec<Verdict> = nodes.par_iter().with_min_len(1 << 10).map(|&n| verdicts.of(n, level)).collect();
+            let found: Vec<Verdict> = collect(nodes.len(), |i| verdicts.of(nodes[i], level));
             let spread: Vec<bool> = means.as_ref().map_or_else(Vec::new, |means| {
                 let moments = means.moments.of_level(level);
-                nodes.par_iter().zip(moments).map(|(&n, m)| verdicts.allow_mean(n, m.deviation)).collect()
+                collect(nodes.len(), |i| verdicts.allow_mean(nodes[i], moments[i].deviation))
             });
             let scale = |i: usize| i >> level;
             for z in 0..blocks[2] {
@@ -251,10 +251,11 @@ fn parents(nodes: &[Range], size: [usize; 3]) -> (Vec<Range>, [usize; 3]) {
     (parents, half)
 }
 
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Default, PartialEq)]
 enum Verdict {
     Clear,
     Homogeneous,
+    #[default]
     Mixed,
 }
 
@@ -330,8 +331,7 @@ impl Verdicts {
                 clear: e.rate[1] == 0.0 && (!optics.emits || e.source.iter().all(|s| s[1] == 0.0)),
             }
         };
-        let table =
-            (0..1usize << 16).into_par_iter().map(|i| (i >> 8 <= i & 255).then(|| medium(i >> 8, i & 255))).collect();
+        let table = collect(1 << 16, |i| (i >> 8 <= i & 255).then(|| medium(i >> 8, i & 255)));
         let block = Homogeneity::EDGE as f64 * volume.placement().spacing().element_sum();
         Self { table, emits: optics.emits, across, block, max_light, error }
     }

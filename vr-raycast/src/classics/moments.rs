@@ -1,7 +1,7 @@
 //! Octree of means and variances of the field.
 
-use rayon::prelude::*;
 use vr_core::filter::Lattice;
+use vr_core::parallel::collect;
 use vr_core::{Filter, GridVolume, LatticeVisitor, Voxel};
 
 use super::homogeneity::Homogeneity;
@@ -36,7 +36,7 @@ pub(crate) struct Moment {
 }
 
 /// Sums of a node: its cells, the mean, and the mean square deviation.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     cells: f64,
     mean: f64,
@@ -74,8 +74,7 @@ impl Moments {
             let last = std::array::from_fn(|a| (first[a] + edge).min(cells[a]));
             volume.with_lattice(Block { first, last })
         };
-        let mut sums: Vec<Sums> =
-            (0..size.iter().product::<usize>()).into_par_iter().with_min_len(64).map(block).collect();
+        let mut sums: Vec<Sums> = collect(size.iter().product(), block);
         let mut levels = Vec::new();
         loop {
             levels.push(Level { size, nodes: sums.iter().map(|s| s.moment()).collect() });

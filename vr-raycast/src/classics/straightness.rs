@@ -1,7 +1,7 @@
 //! Distance of the field from a linear function, block by block.
 
-use rayon::prelude::*;
 use vr_core::filter::Lattice;
+use vr_core::parallel::collect;
 use vr_core::{GridVolume, LatticeVisitor, Voxel};
 
 /// Returns, for each block of `edge`³ cells (x fastest), a bound of the distance of the trilinear field in it from some linear function, in stored units.
@@ -16,7 +16,7 @@ pub(crate) fn bends(volume: &GridVolume, edge: usize) -> Vec<f32> {
         let last = std::array::from_fn(|a| (first[a] + edge).min(cells[a]));
         volume.with_lattice(Block { first, last })
     };
-    (0..bx * by * bz).into_par_iter().with_min_len(64).map(block).collect()
+    collect(bx * by * bz, block)
 }
 
 /// The closed block of samples `first ..= last`.

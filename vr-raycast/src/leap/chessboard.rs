@@ -1,5 +1,7 @@
 //! Chessboard distances: as a king moves.
 
+use vr_core::cancel::SparsePoll;
+
 /// Computes distances in place, x fastest: 0 stays 0, and all other blocks get the chessboard distance max(|Δx|, |Δy|, |Δz|) to the nearest block that is 0; 255
 /// where that is farther than 254, or where none is.
 ///
@@ -8,7 +10,9 @@
 pub(crate) fn chessboard_distances([nx, ny, nz]: [usize; 3], distance: &mut [u8]) {
     let (mut near, mut old) = (vec![u8::MAX; nx + 2], vec![u8::MAX; nx]);
     for backwards in [false, true] {
+        let mut poll = SparsePoll::default();
         for row in 0..ny * nz {
+            poll.turn();
             let row = if backwards { ny * nz - 1 - row } else { row };
             let (y, z) = (row % ny, row / ny);
             near.fill(u8::MAX);

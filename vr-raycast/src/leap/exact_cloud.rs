@@ -1,7 +1,7 @@
 //! Proximity clouds in the exact Euclidean metric.
 
-use rayon::prelude::*;
 use vr_core::IndexRay;
+use vr_core::parallel::{each_part, join};
 
 use super::{BlockGrid, Leaper, Region, Regions, VisibleBlocks, next_interval};
 
@@ -35,7 +35,7 @@ impl ExactCloud {
         let grid = blocks.grid();
         let clear = blocks.inverted();
         let (mut distances, to_clear) =
-            rayon::join(|| stored(&squares(&blocks.dilated()), 0), || stored(&squares(&clear.dilated()), VISIBLE));
+            join(|| stored(&squares(&blocks.dilated()), 0), || stored(&squares(&clear.dilated()), VISIBLE));
         blocks.for_each_beyond(&clear, |i| distances[i] = to_clear[i]);
         Self { grid, distances }
     }
@@ -55,7 +55,7 @@ fn stored(squares: &[f32], flag: u16) -> Vec<u16> {
 fn squares(set: &VisibleBlocks) -> Vec<f32> {
     let BlockGrid { blocks: [w, h, d], .. } = set.grid();
     let mut along_x = vec![NONE; w * h * d];
-    along_x.par_chunks_mut(w).enumerate().with_min_len(64).for_each(|(row, out)| {
+    each_row(&mut along_x, w, |row, out| {
         let bits = set.row(row % h, row / h);
         let is_set = |x: usize| bits[x / 64] >> (x % 64) & 1 == 1;
         let mut steps = f32::INFINITY;
@@ -70,15 +70,24 @@ fn squares(set: &VisibleBlocks) -> Vec<f32> {
         }
     });
     let mut along_y = along_x.clone();
-    along_y.par_chunks_mut(w).enumerate().with_min_len(64).for_each(|(row, out)| {
+    each_row(&mut along_y, w, |row, out| {
         let slice = &along_x[row / h * h * w..][..h * w];
         nearest(out, row % h, h, |y| &slice[y * w..][..w]);
     });
     let mut all = along_y.clone();
-    all.par_chunks_mut(w).enumerate().with_min_len(64).for_each(|(row, out)| {
+    each_row(&mut all, w, |row, out| {
         nearest(out, row / h, d, |z| &along_y[(z * h + row % h) * w..][..w]);
     });
     all
+}
+
+/// Calls `work` with the number of each row of `w` entries, and the row.
+fn each_row(entries: &mut [f32], w: usize, work: impl Fn(usize, &mut [f32]) + Sync) {
+    // Rows of a task.
+    const ROWS: usize = 64;
+    each_part(entries.chunks_mut(ROWS * w), |part, entries| {
+        entries.chunks_mut(w).enumerate().for_each(|(row, out)| work(part * ROWS + row, out));
+    });
 }
 
 /// Lowers a row, the `at`-th of `n`, to the least of each row plus the square of its distance.

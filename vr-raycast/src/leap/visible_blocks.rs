@@ -1,7 +1,7 @@
 //! Blocks that can be seen.
 
-use rayon::prelude::*;
 use vr_core::Real;
+use vr_core::parallel::each_part;
 use vr_kernels::ranges::RangeBlocks;
 
 use super::{Visibility, reach};
@@ -50,11 +50,15 @@ impl VisibleBlocks {
         debug_assert_eq!(grid.blocks, ranges.blocks());
         let across = grid.blocks[0];
         let mut words = vec![0u64; across.div_ceil(64) * grid.blocks[1] * grid.blocks[2]];
-        let rows = words.par_chunks_mut(across.div_ceil(64)).zip(ranges.ranges().par_chunks(across));
-        rows.with_min_len(64).for_each(|(words, ranges)| {
-            for (word, ranges) in words.iter_mut().zip(ranges.chunks(64)) {
-                for (bit, range) in ranges.iter().enumerate() {
-                    *word |= u64::from(visibility.shows_block(range)) << bit;
+        // Rows of a task.
+        const ROWS: usize = 64;
+        let tasks = words.chunks_mut(ROWS * across.div_ceil(64)).zip(ranges.ranges().chunks(ROWS * across));
+        each_part(tasks, |_, (words, ranges)| {
+            for (words, ranges) in words.chunks_mut(across.div_ceil(64)).zip(ranges.chunks(across)) {
+                for (word, ranges) in words.iter_mut().zip(ranges.chunks(64)) {
+                    for (bit, range) in ranges.iter().enumerate() {
+                        *word |= u64::from(visibility.shows_block(range)) << bit;
+                    }
                 }
             }
         });

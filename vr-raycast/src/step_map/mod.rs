@@ -8,7 +8,8 @@ pub(crate) use range_steps::RangeSteps;
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
+use vr_core::cancel;
+use vr_core::parallel::{collect, each_part};
 use vr_core::{Calibration, Filter, GradientMethod, Scene, Shading};
 use vr_kernels::ranges::LevelRanges;
 
@@ -69,7 +70,7 @@ pub(crate) const CLEAR: u8 = 128;
 const CLASSES: usize = 23;
 /// Length of the shortest step in voxels. No multiple of it by a power of √2 is near a small ratio of whole numbers: along an axis, samples would meet
 /// voxels always at the same phase, and mistake what alternates from voxel to voxel for a constant.
-const SHORTEST: f64 = 0.0577 / 8.0;
+pub(crate) const SHORTEST: f64 = 0.0577 / 8.0;
 /// Length of the longest step in voxels: just under four blocks.
 const LONGEST: f64 = SHORTEST * 2048.0;
 
@@ -94,10 +95,10 @@ impl StepMap {
     pub(crate) fn new(levels: &LevelRanges, scene: &Scene, calibration: Calibration, voxel: f64, error: f64) -> Self {
         let by_range = Classes::new(levels, scene, calibration, voxel, error);
         let blocks = levels.blocks();
-        let mut bytes: Vec<u8> = levels.ranges().par_iter().with_min_len(1 << 12).map(|&r| by_range.of(r)).collect();
+        let mut bytes: Vec<u8> = collect(levels.ranges().len(), |i| by_range.of(levels.ranges()[i]));
         let mut distances: Vec<u8> = bytes.iter().map(|&b| if b == CLEAR { u8::MAX } else { 0 }).collect();
         chessboard_distances(blocks, &mut distances);
-        bytes.par_iter_mut().with_min_len(1 << 12).for_each(|b| *b = (*b).min(CLASSES as u8 - 1));
+        bytes.iter_mut().for_each(|b| *b = (*b).min(CLASSES as u8 - 1));
         if levels.has_holes() {
             // No step from afar may pass a hole, and what is next to one is cut.
             let of_block = class_of(Self::EDGE as f64);
@@ -176,6 +177,7 @@ impl StepMap {
         self.bytes.iter_mut().for_each(|b| *b = (*b).min(of_block));
         let mut around = near;
         for radius in [2, 4] {
+            cancel::poll();
             // Of a radius of 1, 2, 4: what the last one found, spread by as much again.
             around = least_around(&around, self.blocks, radius / 2);
             let longest = class_of((radius * Self::EDGE) as f64);
@@ -206,13 +208,15 @@ fn least_around(bytes: &[u8], [nx, ny, nz]: [usize; 3], radius: usize) -> Vec<u8
     let slice = nx * ny;
     // Axis by axis: the least of a cube is the least of the least of its rows.
     let mut along_x = bytes.to_vec();
-    along_x.par_chunks_mut(nx).zip(bytes.par_chunks(nx)).with_min_len(64).for_each(|(out, row)| {
-        for d in 1..=radius.min(nx - 1) {
-            for (o, &b) in out.iter_mut().zip(&row[d..]) {
-                *o = b.min(*o);
-            }
-            for (o, &b) in out[d..].iter_mut().zip(row) {
-                *o = b.min(*o);
+    each_part(along_x.chunks_mut(slice).zip(bytes.chunks(slice)), |_, (out, rows)| {
+        for (out, row) in out.chunks_mut(nx).zip(rows.chunks(nx)) {
+            for d in 1..=radius.min(nx - 1) {
+                for (o, &b) in out.iter_mut().zip(&row[d..]) {
+                    *o = b.min(*o);
+                }
+                for (o, &b) in out[d..].iter_mut().zip(row) {
+                    *o = b.min(*o);
+                }
             }
         }
     });
@@ -225,13 +229,13 @@ fn least_around(bytes: &[u8], [nx, ny, nz]: [usize; 3], radius: usize) -> Vec<u8
         }
     };
     let mut along_y = along_x.clone();
-    along_y.par_chunks_mut(slice).zip(along_x.par_chunks(slice)).for_each(|(out, from)| {
+    each_part(along_y.chunks_mut(slice).zip(along_x.chunks(slice)), |_, (out, from)| {
         for (y, row) in out.chunks_mut(nx).enumerate() {
             spread(from, ny, nx, y, row);
         }
     });
     let mut along_z = along_y.clone();
-    along_z.par_chunks_mut(slice).enumerate().for_each(|(z, out)| spread(&along_y, nz, slice, z, out));
+    each_part(along_z.chunks_mut(slice), |z, out| spread(&along_y, nz, slice, z, out));
     along_z
 }
 

@@ -1,6 +1,7 @@
 //! Walk from cell to cell: a three-dimensional DDA (Amanatides and Woo 1987, *A fast voxel traversal algorithm for ray tracing*).
 
 use vr_core::IndexRay;
+use vr_core::cancel::SparsePoll;
 
 use super::ListedWalk;
 
@@ -99,6 +100,7 @@ impl Iterator for Cells {
 /// Returns begin and length of the steps from cell to cell, each cut into equal steps no longer than `longest`.
 pub(crate) fn cell_steps(ray: &IndexRay, dims: [usize; 3], longest: f64) -> Vec<(f64, f64)> {
     let mut steps = Vec::new();
+    let mut poll = SparsePoll::default();
     for (from, to) in Cells::new(ray, dims) {
         // A cell that is as long as the step, up to rounding, is one step.
         let parts = ((to - from) / longest * (1.0 - SLIVER)).ceil().max(1.0);
@@ -106,6 +108,7 @@ pub(crate) fn cell_steps(ray: &IndexRay, dims: [usize; 3], longest: f64) -> Vec<
         let begin = |k: f64| if k == parts { to } else { from + k * length };
         let mut k = 0.0;
         while k < parts {
+            poll.turn();
             steps.push((begin(k), begin(k + 1.0) - begin(k)));
             k += 1.0;
         }

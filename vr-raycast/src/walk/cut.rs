@@ -1,6 +1,7 @@
 //! Steps of one length that end where the field jumps.
 
 use vr_core::IndexRay;
+use vr_core::cancel::SparsePoll;
 
 use super::{Lattice, ListedWalk};
 
@@ -24,7 +25,9 @@ pub(super) fn cut_steps(lattice: &Lattice, jumps: &[f64], steps: &mut Vec<(f64, 
     let (sliver, skin) = (SLIVER * lattice.length, SKIN * lattice.length);
     let mut left = jumps.iter().copied().peekable();
     let mut from = lattice.start;
+    let mut poll = SparsePoll::default();
     for k in 0..lattice.count {
+        poll.turn();
         let end = lattice.begin(k) + lattice.length_of(k);
         while let Some(jump) = left.next_if(|&jump| jump < end - sliver) {
             if jump > from + sliver {

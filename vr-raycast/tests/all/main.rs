@@ -1,6 +1,7 @@
 //! Tests of the crate from outside, in one program: it is linked once, and its tests run side by side.
 
 mod amr;
+mod cancelled;
 mod checks;
 mod closed_forms;
 mod colors;

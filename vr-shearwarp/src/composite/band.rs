@@ -1,6 +1,7 @@
 //! A band of scan lines under all slices.
 
 use fearless_simd::Simd;
+use vr_core::cancel;
 use vr_kernels::vector::{LANES, Vectorized};
 
 use super::cells::{Edges, texels_between};
@@ -100,6 +101,7 @@ impl<K: Kernel, const N: usize> Vectorized for Work<'_, '_, K, N> {
             if runs.layer_is_empty(slice.layer) {
                 continue;
             }
+            cancel::poll();
             let at_once = texels_between(K::COLUMNS, slice.map.scale);
             let first = slice.valid.first[1].max(band.first);
             let end = slice.valid.end[1].min(band.first + rows);

@@ -45,7 +45,7 @@ impl Vectorized for TileJob<'_> {
     fn run<S: Simd>(self, simd: S) -> Drawn {
         let painter = self.painter;
         let channels = painter.channels();
-        let slots = if painter.buffers == Buffers::Image { painter.ring as usize } else { 1 };
+        let slots = painter.slots();
         let mut tile = Tile {
             painter,
             channels,
@@ -68,6 +68,18 @@ impl Vectorized for TileJob<'_> {
         let there = (0..BLOCKS as u32).filter(|b| tile.ready >> b & 1 == 1);
         let blocks = there.map(|b| (b, tile.states[b as usize])).collect();
         Drawn { column: self.column, row: self.row, blocks, work: tile.work }
+    }
+}
+
+impl Painter<'_> {
+    /// Sheets that a tile holds at once.
+    fn slots(&self) -> usize {
+        if self.buffers == Buffers::Image { self.ring as usize } else { 1 }
+    }
+
+    /// Bytes of the sheets of a tile.
+    pub(crate) fn sheet_bytes(&self) -> u64 {
+        (self.slots() * BLOCKS * self.channels() * size_of::<Lanes>()) as u64
     }
 }
 

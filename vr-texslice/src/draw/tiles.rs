@@ -3,7 +3,7 @@
 use fearless_simd::{Level, Simd};
 use glam::DVec2;
 use vr_core::image_order::in_parallel;
-use vr_core::{Control, Counts, Layer, MaxRadiance, RenderError, View};
+use vr_core::{Control, Counts, Layer, MaxRadiance, RenderError, View, cancel};
 use vr_kernels::vector::{LANES, Lanes, PacketLights, PacketShading, Shade, Vectorized, run};
 
 use super::chunk::{Chunk, Fetch, Fetcher};
@@ -113,6 +113,7 @@ fn draw_tile<S: Simd>(
     let mut block = Block { chunk: Chunk::EMPTY, rays: Fragments::EMPTY, lights: PacketLights::default() };
     for y in (corner[1]..end[1]).step_by(BLOCK as usize) {
         for x in (corner[0]..end[0]).step_by(BLOCK as usize) {
+            cancel::poll();
             block.draw(simd, scene, texture, Packet { corner: [x, y], size }, &mut drawn, &mut counts);
         }
     }

@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use vr_core::amr::{AmrGrid, AmrLattice, AmrStencil};
+use vr_core::cancel;
 use vr_core::parallel::collect;
 
 /// Samples of blocks with those beside them, kept with the mesh: each made when it can first be seen.
@@ -35,6 +36,7 @@ impl MeshLattices {
                 }
             }
         }
+        cancel::claim("the lattices of the adaptive mesh", self.missing_bytes(grid, has_gradients, &is_wanted));
         collect(is_wanted.len(), |number| {
             if is_wanted[number] {
                 self.values[number].get_or_init(|| samples.lattice(number));
@@ -43,6 +45,17 @@ impl MeshLattices {
                 }
             }
         });
+    }
+
+    /// Bytes that the lattices of wanted blocks take which have not been made.
+    fn missing_bytes(&self, grid: &AmrGrid, has_gradients: bool, is_wanted: &[bool]) -> u64 {
+        let samples = grid.samples();
+        let of_block = |number: usize| {
+            let values = if self.values[number].get().is_none() { samples.lattice_bytes(number) } else { 0 };
+            let has_differences = !has_gradients || self.differences[number].get().is_some();
+            values + if has_differences { 0 } else { samples.difference_lattice_bytes(number) }
+        };
+        (0..is_wanted.len()).filter(|&number| is_wanted[number]).map(of_block).sum()
     }
 
     /// Samples that gradients in a block are made of, with a border of one more than the block's lattice has; `None` if they have not been collected.
