@@ -6,7 +6,7 @@ use vr_core::{Compositing, Configurable, Feature, Filter, GridVolume, RenderErro
 use vr_kernels::tables::beyond_f32;
 
 use crate::medium::follows_interpolant;
-use crate::texture_slicer::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
+use crate::texture_slicer::{Blend, DrawOrder, Format, TextureSlicer};
 
 pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderError {
     Unsupported { renderer: TextureSlicer::NAME, feature, what: what.into() }.into()
@@ -101,10 +101,6 @@ fn check_texture(renderer: &TextureSlicer, scene: &Scene) -> Result<(), RenderEr
         if scene.reflection().is_some() && !scene.lights.iter().all(|light| grey(light.color)) {
             return Err(unsupported(Feature::Color, "lights of a colour on textures of luminance and alpha"));
         }
-    }
-    let plain_stack = matches!(renderer.format, Format::Scalar | Format::PreIntegrated);
-    if renderer.proxy == Proxy::Stacks && !plain_stack {
-        return Err(unsupported(Feature::Setting, "stacks of 2D textures but of values"));
     }
     if renderer.brick.is_some() && renderer.order == DrawOrder::Slices {
         return Err(unsupported(

@@ -72,8 +72,11 @@ impl Compressed {
         corners
     }
 
-    /// The stored number at a place in index space, linear between texels; NaN beside a missing one.
+    /// The stored number at a place in index space, linear between texels; NaN beside a missing one, where cells meet on either side.
     pub(crate) fn value_at(&self, at: [f64; 3]) -> f64 {
+        if self.vacuum.as_ref().is_some_and(|vacuum| vacuum.contains(at)) {
+            return f64::NAN;
+        }
         let cell: [usize; 3] = std::array::from_fn(|a| (at[a] as usize).min(self.dims[a] - 2));
         let [x, y, z]: [f64; 3] = std::array::from_fn(|a| at[a] - cell[a] as f64);
         let [c0, c1, c2, c3, c4, c5, c6, c7] = self.cell(cell).map(f64::from);

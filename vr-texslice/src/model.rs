@@ -121,6 +121,9 @@ impl Along<'_> {
     /// Linear between the eight texels around a distance.
     fn between_texels<const N: usize>(&self, s: f64, texel: impl Fn([usize; 3]) -> [f64; N]) -> [f64; N] {
         let (at, dims) = (self.index(s), self.volume.dims());
+        if self.volume.vacuum_cells().is_some_and(|vacuum| vacuum.contains(at)) {
+            return [f64::NAN; N];
+        }
         let cell: [usize; 3] = std::array::from_fn(|a| (at[a] as usize).min(dims[a] - 2));
         let mut sum = [0.0; N];
         for corner in 0..8 {
