@@ -22,11 +22,22 @@ pub(crate) fn check(renderer: &TextureSlicer, scene: &Scene) -> Result<Arc<GridV
         .grid()
         .ok_or_else(|| Unsupported::volume_kind(TextureSlicer::NAME, &scene.volume, Unsupported::GRIDS))?;
     // The volume.
-    if volume.filter() != Filter::Trilinear {
-        return Err(unsupported(
-            Feature::Filter,
-            format!("the filter '{}': textures are interpolated linearly", volume.filter()),
-        ));
+    match volume.filter() {
+        Filter::Trilinear => {}
+        Filter::Nearest if renderer.is_pre_integrated() => {
+            let why = "pre-integrated segments under the filter 'nearest': values go linearly along a segment, and these jump; take scalar";
+            return Err(unsupported(Feature::Setting, why));
+        }
+        Filter::Nearest if follows_interpolant(scene) => {
+            let why = "analytic gradients of the filter 'nearest', which are zero wherever there are any; take central differences";
+            return Err(unsupported(Feature::AnalyticGradients, why));
+        }
+        Filter::Nearest => {}
+        other => {
+            let why =
+                format!("the filter '{other}': textures are interpolated linearly, or the nearest texel is taken");
+            return Err(unsupported(Feature::Filter, why));
+        }
     }
     if volume.dims().iter().product::<usize>() > i32::MAX as usize {
         return Err(unsupported(Feature::Size, "volumes of 2³¹ voxels and more"));

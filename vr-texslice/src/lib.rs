@@ -111,7 +111,7 @@
 //! `vr-physics` are those of [`Documented::hard_case_errors`](vr_core::Documented::hard_case_errors). No error can be promised.
 //!
 //! # What it does not do
-//! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; filters other than the trilinear one; analytic gradients in textures of light;
+//! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; filters other than the trilinear one and the nearest; segments and analytic gradients under the nearest, whose field jumps; analytic gradients in textures of light;
 //! colours, and lights of a colour, on luminance alone; values picked from textures of light, back to front, by segments or without correction; and
 //! bricks slice by slice: a brick's slices are drawn while it is there. `maximum` and `minimum` are of samples.
 

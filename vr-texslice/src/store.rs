@@ -250,7 +250,7 @@ impl TextureStore {
     fn draw_whole(&self, job: &Job<'_>, needs: &Needs<'_>) -> Drawn {
         let Needs { volume, layout, .. } = *needs;
         let dims = volume.dims();
-        let slices = InSlices { visitor: job, layout, has_holes: volume.vacuum_cells().is_some() };
+        let slices = InSlices::new(job, volume, layout);
         if let Some(compressed) = &self.compressed {
             return slices.visit(Blocks { compressed, method: needs.gradients.unwrap_or_default() });
         }
@@ -263,7 +263,7 @@ impl TextureStore {
             _ => Relief::Values,
         };
         let values = needs.slices.axis().map_or(volume.values(), |axis| self.stacks.of(volume, axis));
-        let slices = InSlices { layout: layout.of_turned_texels(), ..slices };
+        let slices = slices.of_turned_texels();
         with_grid!(values, g => {
             let lattice = Lattice { samples: g.samples(), dims: layout.turned(dims) };
             slices.visit(Voxels::new(&lattice, relief))

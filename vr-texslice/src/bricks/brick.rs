@@ -134,7 +134,8 @@ impl Brick {
         let method = source.key.gradients.unwrap_or_default();
         let layout = source.key.layout;
         let own = region.turned_back(&layout);
-        let (dims, has_holes) = (own.dims, source.looks_before());
+        let dims = own.dims;
+        let visitor = InSlices::new(visitor, source.volume, layout);
         match self {
             Self::Values { grid, filled } => with_grid!(grid, g => {
                 let relief = match (method, filled) {
@@ -143,16 +144,14 @@ impl Brick {
                     (_, None) => Relief::Values,
                 };
                 let lattice = Lattice { samples: g.samples(), dims: region.dims };
-                let visitor = InSlices { visitor, layout: layout.of_turned_texels(), has_holes };
-                visitor.visit(Voxels::new(&lattice, relief))
+                visitor.of_turned_texels().visit(Voxels::new(&lattice, relief))
             }),
             Self::Decoded { values, filled } => {
                 let filled = Lattice { samples: filled.as_ref().unwrap_or(values), dims };
                 let (values, whole) = (Lattice { samples: &values[..], dims }, source.volume.dims());
-                let visitor = InSlices { visitor, layout, has_holes };
                 visitor.visit(Decoded::new(&values, (filled, method), own.first, whole))
             }
-            Self::Light(texels) => visit_light(texels, source.palette, dims, InSlices { visitor, layout, has_holes }),
+            Self::Light(texels) => visit_light(texels, source.palette, dims, visitor),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
+use vr_core::{Filter, GridVolume};
 use vr_kernels::vector::{Cells, Lanes, inside, pick, splat};
 
 use super::{Texture, TextureVisitor};
@@ -14,6 +15,8 @@ pub(crate) struct Sliced<X> {
     layout: Layout,
     /// True if voxels are missing: what lies on a layer of a stack is vacuum, then, if the cell on either side of it is.
     has_holes: bool,
+    /// True if what is nearest is read, and nothing interpolated.
+    nearest: bool,
 }
 
 /// Hands textures on to another visitor in the coordinates of slices.
@@ -21,15 +24,29 @@ pub(crate) struct InSlices<V> {
     pub(crate) visitor: V,
     pub(crate) layout: Layout,
     pub(crate) has_holes: bool,
+    pub(crate) nearest: bool,
+}
+
+impl<V> InSlices<V> {
+    /// For the texels of a volume that lie along its own axes.
+    pub(crate) fn new(visitor: V, volume: &GridVolume, layout: Layout) -> Self {
+        let nearest = volume.filter() == Filter::Nearest;
+        Self { visitor, layout, has_holes: volume.vacuum_cells().is_some(), nearest }
+    }
+
+    /// The same for texels that lie along texture coordinates already.
+    pub(crate) fn of_turned_texels(self) -> Self {
+        Self { layout: self.layout.of_turned_texels(), ..self }
+    }
 }
 
 impl<V: TextureVisitor> TextureVisitor for InSlices<V> {
     type Output = V::Output;
 
     fn visit<X: Texture>(self, texture: X) -> V::Output {
-        let Self { visitor, layout, has_holes } = self;
+        let Self { visitor, layout, has_holes, nearest } = self;
         // Anywhere else than on layers, cells meet where no sample lies but by rounding.
-        visitor.visit(Sliced { texture, layout, has_holes: has_holes && layout.per_layer.is_some() })
+        visitor.visit(Sliced { texture, layout, has_holes: has_holes && layout.per_layer.is_some(), nearest })
     }
 }
 
@@ -54,6 +71,18 @@ impl<X: Texture> Sliced<X> {
         }
     }
 
+    /// Reads what was fetched for places in texture coordinates.
+    #[inline(always)]
+    fn read_there<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &X::Stage) -> [f32x16<S>; 4] {
+        let Cells { cell, mut fraction } = self.turned_back(at);
+        if self.nearest {
+            // In the same cell: which is vacuum is asked of that, and fractions are exact, so that places half-way go up, as in f64.
+            let half = splat(simd, 0.5);
+            fraction = fraction.map(|t| pick(t.simd_ge(half), splat(simd, 1.0), splat(simd, 0.0)));
+        }
+        self.texture.read(simd, &Cells { cell, fraction }, stage)
+    }
+
     /// Texels at places, NaN on the lower face of a cell along the last axis where the cell before it is vacuum.
     ///
     /// Its own function: few volumes have holes.
@@ -67,11 +96,11 @@ impl<X: Texture> Sliced<X> {
                 let on_face = tz.simd_eq(splat(simd, 0.0)) & z.simd_gt(i32x16::splat(simd, 0));
                 if on_face.any_true() {
                     let cell = [x, y, (z - 1).max(i32x16::splat(simd, 0))];
-                    let before = self.turned_back(&Cells { cell, fraction: [tx, ty, splat(simd, 1.0)] });
+                    let before = Cells { cell, fraction: [tx, ty, splat(simd, 1.0)] };
                     let mut stage = X::Stage::default();
-                    self.texture.fetch(simd, &before, &mut stage);
+                    self.texture.fetch(simd, &self.turned_back(&before), &mut stage);
                     // The opacity of light is missing where any of it is.
-                    let [.., there] = self.texture.read(simd, &before, &stage);
+                    let [.., there] = self.read_there(simd, &before, &stage);
                     let vacuum = on_face & !there.simd_eq(there);
                     for component in &mut lanes {
                         *component = Lanes::new(pick(vacuum, there, component.load(simd)));
@@ -109,7 +138,7 @@ impl<X: Texture> Texture for Sliced<X> {
 
     #[inline(always)]
     fn read<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &X::Stage) -> [f32x16<S>; 4] {
-        let texel = self.texture.read(simd, &self.turned_back(at), stage);
+        let texel = self.read_there(simd, at, stage);
         if self.has_holes { self.unless_vacuum_before(simd, at, texel) } else { texel }
     }
 
