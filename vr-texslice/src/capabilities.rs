@@ -6,7 +6,7 @@ use vr_core::{Compositing, Configurable, Feature, Filter, GridVolume, RenderErro
 use vr_kernels::tables::beyond_f32;
 
 use crate::medium::follows_interpolant;
-use crate::texture_slicer::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
+use crate::texture_slicer::{Blend, DrawOrder, Format, TextureSlicer};
 
 pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderError {
     Unsupported { renderer: TextureSlicer::NAME, feature, what: what.into() }.into()
@@ -22,11 +22,22 @@ pub(crate) fn check(renderer: &TextureSlicer, scene: &Scene) -> Result<Arc<GridV
         .grid()
         .ok_or_else(|| Unsupported::volume_kind(TextureSlicer::NAME, &scene.volume, Unsupported::GRIDS))?;
     // The volume.
-    if volume.filter() != Filter::Trilinear {
-        return Err(unsupported(
-            Feature::Filter,
-            format!("the filter '{}': textures are interpolated linearly", volume.filter()),
-        ));
+    match volume.filter() {
+        Filter::Trilinear => {}
+        Filter::Nearest if renderer.is_pre_integrated() => {
+            let why = "pre-integrated segments under the filter 'nearest': values go linearly along a segment, and these jump; take scalar";
+            return Err(unsupported(Feature::Setting, why));
+        }
+        Filter::Nearest if follows_interpolant(scene) => {
+            let why = "analytic gradients of the filter 'nearest', which are zero wherever there are any; take central differences";
+            return Err(unsupported(Feature::AnalyticGradients, why));
+        }
+        Filter::Nearest => {}
+        other => {
+            let why =
+                format!("the filter '{other}': textures are interpolated linearly, or the nearest texel is taken");
+            return Err(unsupported(Feature::Filter, why));
+        }
     }
     if volume.dims().iter().product::<usize>() > i32::MAX as usize {
         return Err(unsupported(Feature::Size, "volumes of 2³¹ voxels and more"));
@@ -101,10 +112,6 @@ fn check_texture(renderer: &TextureSlicer, scene: &Scene) -> Result<(), RenderEr
         if scene.reflection().is_some() && !scene.lights.iter().all(|light| grey(light.color)) {
             return Err(unsupported(Feature::Color, "lights of a colour on textures of luminance and alpha"));
         }
-    }
-    let plain_stack = matches!(renderer.format, Format::Scalar | Format::PreIntegrated);
-    if renderer.proxy == Proxy::Stacks && !plain_stack {
-        return Err(unsupported(Feature::Setting, "stacks of 2D textures but of values"));
     }
     if renderer.brick.is_some() && renderer.order == DrawOrder::Slices {
         return Err(unsupported(

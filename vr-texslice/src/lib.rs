@@ -69,7 +69,7 @@
 //! |---|---|---|
 //! | planes | between planes parallel to the image, counted from the middle of the box | in parallel projection |
 //! | shells | between spheres about the eye (slice by slice, the box between two planes around each is rasterised: no sphere is tessellated) | always |
-//! | stacks | between the volume's own layers (or parts of one), along the axis that the view crosses most of | in parallel projection |
+//! | stacks | between the volume's own layers (or parts of one), along the axis that the view crosses most of | in parallel projection, but of light |
 //!
 //! If they are not, opacity is corrected fragment by fragment; [`TextureSlicer::correction`] turns that off, to show what then becomes of brightness.
 //!
@@ -83,6 +83,9 @@
 //! | luminance-alpha | 8 | every voxel | every voxel, if shaded |
 //! | paletted | 1; shaded 24 more; by gradient 1 more | 256 entries; by gradient 256² | what every voxel reflects, if shaded |
 //!
+//! Stacks of light and of compressed blocks lie as the volume does, once for all three axes: coordinates are turned when a texel is fetched. Their light is that of slabs
+//! met at a right angle, corrected fragment by fragment, so that views along the same axis share it.
+//!
 //! [`RenderStats::stages`](vr_core::RenderStats::stages) of the next picture tells what had to be made, and how long it took: `table`, `palette`, `classify`,
 //! `reflect`, `compress`, `stack`, `brick`; what was there already is not listed. Textures, tables apart, stay within [`TextureSlicer::budget`], or there is a typed error.
 //!
@@ -90,7 +93,7 @@
 //! [`TextureSlicer::brick`] cuts the volume's texture into bricks, each a texture of its own: its cells' texels, of which neighbours share a layer, and where
 //! fragments look at central differences one more on all sides, and beside missing voxels the values that these are taken from. Bricks are drawn in an
 //! order in which none hides one before it, or back to front, and each takes all fragments that lie in it; the picture is that through one texture, bit for bit, in
-//! every format, under every operator and blend, shaded or not. Bricks of a stack have their texels with its axis last, as the stack has; a sample belongs to the brick in
+//! every format, under every operator and blend, shaded or not. Bricks of a stack of values have their texels with its axis last, as the stack has; a sample belongs to the brick in
 //! which its slice lies, and beside missing voxels they have one more layer, for what lies on a layer belongs to the cells on both sides.
 //!
 //! A brick is made when rays first meet something visible in it: copied, classified, or decoded from compressed blocks, whose texels are then fetched as those of
@@ -108,9 +111,9 @@
 //! `vr-physics` are those of [`Documented::hard_case_errors`](vr_core::Documented::hard_case_errors). No error can be promised.
 //!
 //! # What it does not do
-//! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; filters other than the trilinear one; analytic gradients in textures of light;
-//! colours, and lights of a colour, on luminance alone; values picked from textures of light, back to front, by segments or without correction; stacks but of values;
-//! and bricks slice by slice: a brick's slices are drawn while it is there. `maximum` and `minimum` are of samples.
+//! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; filters other than the trilinear one and the nearest; segments and analytic gradients under the nearest, whose field jumps; analytic gradients in textures of light;
+//! colours, and lights of a colour, on luminance alone; values picked from textures of light, back to front, by segments or without correction; and
+//! bricks slice by slice: a brick's slices are drawn while it is there. `maximum` and `minimum` are of samples.
 
 mod bricks;
 mod capabilities;
@@ -122,6 +125,7 @@ mod fragments;
 pub mod geometry;
 mod gradients;
 mod hard_cases;
+mod layout;
 mod medium;
 mod model;
 mod occupancy;

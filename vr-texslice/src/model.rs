@@ -5,7 +5,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use vr_core::optics::opacity_of_thickness;
 use vr_core::{
-    Control, DiscreteModel, GridVolume, IndexRay, Layer, Ray, Rays, RenderError, Scene, SegmentTerm, View, Voxel,
+    Control, DiscreteModel, Filter, GridVolume, IndexRay, Layer, Ray, Rays, RenderError, Scene, SegmentTerm, View,
+    Voxel,
 };
 use vr_kernels::tables::PreIntegrated;
 
@@ -118,10 +119,15 @@ impl Along<'_> {
         self.volume.stored_at(self.index(s))
     }
 
-    /// Linear between the eight texels around a distance.
+    /// Linear between the eight texels around a distance, or the nearest of them.
     fn between_texels<const N: usize>(&self, s: f64, texel: impl Fn([usize; 3]) -> [f64; N]) -> [f64; N] {
         let (at, dims) = (self.index(s), self.volume.dims());
+        if self.volume.vacuum_cells().is_some_and(|vacuum| vacuum.contains(at)) {
+            return [f64::NAN; N];
+        }
         let cell: [usize; 3] = std::array::from_fn(|a| (at[a] as usize).min(dims[a] - 2));
+        let nearest = self.volume.filter() == Filter::Nearest;
+        let at = if nearest { at.map(|x| (x + 0.5).floor()) } else { at };
         let mut sum = [0.0; N];
         for corner in 0..8 {
             let high = |a: usize| corner >> a & 1;

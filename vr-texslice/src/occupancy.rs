@@ -5,8 +5,9 @@ use std::sync::Arc;
 use vr_core::GridVolume;
 use vr_kernels::ranges::{BlockRange, RangeBlocks};
 
-use crate::bricks::{BrickLattice, Layout};
+use crate::bricks::BrickLattice;
 use crate::compression::Compressed;
+use crate::layout::Layout;
 
 /// Bounds of the field that a texture holds, in blocks of so many cells along an edge.
 pub(crate) enum FieldRanges<'a> {

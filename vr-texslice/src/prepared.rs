@@ -14,6 +14,7 @@ use crate::classified::max_code_error;
 use crate::draw::{Classifier, PacketScene, Pass, Steepness};
 use crate::finish::Finish;
 use crate::fragments::Setup;
+use crate::layout::Layout;
 use crate::medium::GradientMedium;
 use crate::model::SliceModel;
 use crate::occupancy::{FieldRanges, Occupancy, Shown};
@@ -21,7 +22,6 @@ use crate::slices::Slices;
 use crate::store::{Job, Needs, TextureStore, time_if_made};
 use crate::tables::Tables;
 use crate::texture_slicer::{Blend, TextureSlicer};
-use crate::textures::axes_of_stack;
 
 /// The scene, its textures, and what is kept from picture to picture.
 pub(crate) struct PreparedTextureSlicer {
@@ -93,13 +93,16 @@ impl Prepared for PreparedTextureSlicer {
         let slices = Slices::new(&self.renderer, view, volume.placement(), volume.dims(), on_faces)?;
         time_if_made(&mut stats, "table", || Ok(self.tables.tabulate(&scene, volume, slices.table_length())))?;
         // The textures that these slices need.
-        let axes = slices.axis().map_or([0, 1, 2], axes_of_stack);
+        let layout = slices.axis().map_or(Layout::VOLUME, |axis| {
+            Layout::of_stack(axis, samples_per_layer(&self.renderer, scene.compositing))
+        });
+        let axes = layout.axes;
         let of_values = !operator.picks() && !self.renderer.holds_light();
         let reflection = scene.reflection().filter(|_| of_values);
         let medium = GradientMedium::new(&scene, volume).filter(|_| of_values);
         let looks = reflection.is_some() || medium.is_some();
         let gradients = scene.gradient_shading().filter(|_| looks).map(|shading| shading.gradient);
-        let needs = Needs { scene: &scene, volume, view, slices: &slices, gradients };
+        let needs = Needs { scene: &scene, volume, view, slices: &slices, layout, gradients };
         self.textures.make(&self.renderer, &needs, control, &mut stats)?;
         // Blocks to leave out, and shading and classification of fragments.
         let skips = self.renderer.skip_empty_space;
@@ -220,4 +223,10 @@ impl Prepared for PreparedTextureSlicer {
         let of = (&self.scene, &self.volume);
         Ok(Model::Discrete(Arc::new(SliceModel::new(&self.renderer, of, view, self.textures.compressed().cloned())?)))
     }
+}
+
+/// Slices to a layer on which a stack's samples lie. `None` under `first`: a point is looked for between slices, too; where a ray enters and leaves, both have
+/// their share.
+fn samples_per_layer(renderer: &TextureSlicer, compositing: Compositing) -> Option<u32> {
+    (!matches!(compositing, Compositing::First { .. })).then(|| renderer.per_layer())
 }

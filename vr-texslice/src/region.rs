@@ -2,7 +2,7 @@
 
 use vr_core::filter::Lattice;
 
-use crate::bricks::Layout;
+use crate::layout::Layout;
 
 /// The texels from an index on, so many along each axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

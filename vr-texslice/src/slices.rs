@@ -68,7 +68,10 @@ impl Slices {
         let mut slices = Self { kind, distance, correction: renderer.correction, length: Some(distance), shift };
         if slices.correction && !matches!(kind, Kind::Shells { .. }) {
             let ahead = (placement.inverse_axes() * forward).to_array();
-            slices.length = (!perspective).then(|| 1.0 / slices.coordinate([0.0; 3], ahead, 0.0)[1]);
+            // Light in a stack is that of slabs met at a right angle, whatever the view: so it is not made anew for each.
+            let keeps_light = renderer.holds_light() && matches!(kind, Kind::Stack { .. });
+            let even = !perspective && !keeps_light;
+            slices.length = even.then(|| 1.0 / slices.coordinate([0.0; 3], ahead, 0.0)[1]);
         }
         Ok(slices)
     }

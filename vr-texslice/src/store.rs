@@ -4,21 +4,20 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use vr_core::filter::Lattice;
-use vr_core::{
-    Compositing, Control, Counts, GradientMethod, GridVolume, RenderError, RenderStats, Scene, View, memory, with_grid,
-};
+use vr_core::{Control, Counts, GradientMethod, GridVolume, RenderError, RenderStats, Scene, View, memory, with_grid};
 use vr_kernels::vector::Operator;
 
-use crate::bricks::{BrickKey, BrickLattice, BrickSource, Layout, Pool};
+use crate::bricks::{BrickKey, BrickLattice, BrickSource, Pool};
 use crate::classified::{Classified, TextureKey, levels, palette};
 use crate::compression::Compressed;
 use crate::draw::{Bricked, Classifier, PacketScene, Pixel, draw_slices, draw_tiles};
+use crate::layout::Layout;
 use crate::occupancy::FieldRanges;
 use crate::palette::Palette;
 use crate::slices::Slices;
-use crate::texture::{Blocks, Relief, Texture, TextureVisitor, Voxels, visit_light};
+use crate::texture::{Blocks, InSlices, Relief, Texture, TextureVisitor, Voxels, visit_light};
 use crate::texture_slicer::{DrawOrder, Format, TextureSlicer};
-use crate::textures::{Stacks, axes_of_stack, hold};
+use crate::textures::{Stacks, hold};
 
 /// Textures, and what they were made for.
 #[derive(Default)]
@@ -60,6 +59,7 @@ pub(crate) struct Needs<'a> {
     pub(crate) volume: &'a GridVolume,
     pub(crate) view: &'a View,
     pub(crate) slices: &'a Slices,
+    pub(crate) layout: Layout,
     /// Gradients of values that fragments look at, if they look at any.
     pub(crate) gradients: Option<GradientMethod>,
 }
@@ -135,9 +135,9 @@ impl TextureStore {
         }
         let bytes = volume.sample_bytes() as u64;
         match needs.slices.axis() {
+            _ if renderer.holds_light() => self.classify(renderer, needs, control, stats)?,
+            _ if self.compressed.is_some() => {}
             Some(axis) => time_if_made(stats, "stack", || self.stacks.make(renderer, volume, axis))?,
-            None if renderer.holds_light() => self.classify(renderer, needs, control, stats)?,
-            None if self.compressed.is_some() => {}
             None => hold("the volume's texture", bytes, limit)?,
         }
         if needs.fills_in() && self.compressed.is_none() {
@@ -187,11 +187,7 @@ impl TextureStore {
         let Needs { scene, volume, .. } = *needs;
         let light = renderer.holds_light().then(|| TextureKey::new(scene, needs.view, needs.slices)).transpose()?;
         let levels = levels(renderer.format, scene, volume);
-        let layout = needs.slices.axis().map_or(Layout::VOLUME, |axis| Layout {
-            axes: axes_of_stack(axis),
-            per_layer: samples_per_layer(renderer, scene.compositing),
-        });
-        let mut key = BrickKey { gradients: needs.gradients, light, levels, layout };
+        let mut key = BrickKey { gradients: needs.gradients, light, levels, layout: needs.layout };
         if let (Format::Paletted, Some(light)) = (renderer.format, &mut key.light) {
             let length = std::mem::take(&mut light.length);
             if self.palette.as_ref().is_none_or(|(made, _)| *made != Some(length)) {
@@ -215,7 +211,7 @@ impl TextureStore {
         visible: impl Fn(f32, f32) -> bool + Sync,
         stats: &mut RenderStats,
     ) -> Drawn {
-        let Some(edge) = renderer.brick else { return stats.time("draw", || self.draw_whole(job, renderer, needs)) };
+        let Some(edge) = renderer.brick else { return stats.time("draw", || self.draw_whole(job, needs)) };
         let drawn = stats.time("draw", || self.draw_bricks(job, renderer, needs, edge as usize, visible));
         if let Some(time) = self.bricks.as_mut().and_then(Pool::take_time) {
             stats.stages.push(("brick", time));
@@ -255,40 +251,28 @@ impl TextureStore {
     }
 
     /// Draws through one texture, whichever it is.
-    fn draw_whole(&self, job: &Job<'_>, renderer: &TextureSlicer, needs: &Needs<'_>) -> Drawn {
-        let volume = needs.volume;
+    fn draw_whole(&self, job: &Job<'_>, needs: &Needs<'_>) -> Drawn {
+        let Needs { volume, layout, .. } = *needs;
         let dims = volume.dims();
-        let relief = |axes: [usize; 3]| match (needs.gradients, volume.filled_floats()) {
-            (Some(GradientMethod::Analytic), _) => Relief::Interpolant,
-            (_, Some(samples)) if needs.fills_in() => Relief::filled(&Lattice { samples, dims }, axes),
-            _ => Relief::Values,
-        };
-        if let Some(axis) = needs.slices.axis() {
-            return with_grid!(self.stacks.of(volume, axis), g => {
-                let lattice = Lattice { samples: g.samples(), dims: g.dims() };
-                let texture = match samples_per_layer(renderer, needs.scene.compositing) {
-                    None => Voxels::new(&lattice),
-                    Some(per_layer) => Voxels::stack(&lattice, per_layer, volume.vacuum_cells().is_some()),
-                };
-                job.visit(texture.with_relief(relief(axes_of_stack(axis))))
-            });
-        }
+        let slices = InSlices::new(job, volume, layout);
         if let Some(compressed) = &self.compressed {
-            return job.visit(Blocks { compressed, method: needs.gradients.unwrap_or_default() });
+            return slices.visit(Blocks { compressed, method: needs.gradients.unwrap_or_default() });
         }
         if let Some((_, Classified { texels, palette, .. })) = &self.classified {
-            return visit_light(texels, palette.as_deref(), dims, job);
+            return visit_light(texels, palette.as_deref(), dims, slices);
         }
-        with_grid!(volume.values(), g => {
-            job.visit(Voxels::new(&Lattice { samples: g.samples(), dims: g.dims() }).with_relief(relief([0, 1, 2])))
+        let relief = match (needs.gradients, volume.filled_floats()) {
+            (Some(GradientMethod::Analytic), _) => Relief::Interpolant,
+            (_, Some(samples)) if needs.fills_in() => Relief::filled(&Lattice { samples, dims }, layout.axes),
+            _ => Relief::Values,
+        };
+        let values = needs.slices.axis().map_or(volume.values(), |axis| self.stacks.of(volume, axis));
+        let slices = slices.of_turned_texels();
+        with_grid!(values, g => {
+            let lattice = Lattice { samples: g.samples(), dims: layout.turned(dims) };
+            slices.visit(Voxels::new(&lattice, relief))
         })
     }
-}
-
-/// Slices to a layer on which a stack's samples lie. `None` under `first`: a point is looked for between slices, too; where a ray enters and leaves, both have
-/// their share.
-fn samples_per_layer(renderer: &TextureSlicer, compositing: Compositing) -> Option<u32> {
-    (!matches!(compositing, Compositing::First { .. })).then(|| renderer.per_layer())
 }
 
 /// Does work that tells if anything had to be made; only then it is a stage.

@@ -3,15 +3,11 @@
 use vr_core::filter::Lattice;
 use vr_core::{AnyGrid, GridVolume, RenderError, UniformGrid, Voxel, memory, with_grid};
 
+use crate::layout::Layout;
 use crate::region::Region;
 use crate::texture_slicer::TextureSlicer;
 
-/// The order of a texture's axes for slices along an axis of the volume: that one last, so that a slice is contiguous.
-pub(crate) fn axes_of_stack(axis: usize) -> [usize; 3] {
-    [[1, 2, 0], [0, 2, 1], [0, 1, 2]][axis]
-}
-
-/// Stacks of 2D textures, one for each axis that a view has asked for. That along z is the volume as it lies.
+/// Stacks of 2D textures of values, one for each axis that a view has asked for. That along z is the volume as it lies.
 #[derive(Default)]
 pub(crate) struct Stacks {
     turned: [Option<AnyGrid>; 2],
@@ -39,7 +35,7 @@ impl Stacks {
             self.turned = [None, None];
         }
         memory::check("a stack of slices", bytes)?;
-        self.turned[axis] = Some(with_grid!(volume.values(), g => turned(g, axes_of_stack(axis)).into()));
+        self.turned[axis] = Some(with_grid!(volume.values(), g => turned(g, Layout::of_stack(axis, None).axes).into()));
         Ok(true)
     }
 

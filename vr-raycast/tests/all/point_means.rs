@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use vr_core::{Compositing, Light, PointKernel, PointMixing, PointSet, Scene, Shading, TransferFunction};
+use vr_physics::check::strategies::{tame_mixed_point_scene, tame_point_scene};
+use vr_physics::check::{Effort, agrees_with_reference_on};
 use vr_raycast::RayCaster;
 
 use crate::common::{self, framed_error};
@@ -66,5 +68,21 @@ fn values_and_colours_are_picked_of_means() {
         println!("{}: {m}", compositing.name());
         // A step's own way from an extreme's place.
         assert!(m.rmse < 5e-3, "{}: {m}", compositing.name());
+    }
+}
+
+/// In f64, and on sixteen lanes in f32: sums, and means or colours.
+#[test]
+fn random_clouds_come_to_the_reference() {
+    for caster in [RayCaster::exact(1.0 / 32.0), RayCaster::uniform(1.0 / 32.0)] {
+        let effort = Effort::cases(96);
+        for report in [
+            agrees_with_reference_on(&caster, tame_point_scene(), |_, _| 2e-2, &effort),
+            agrees_with_reference_on(&caster, tame_mixed_point_scene(), |_, _| 2e-2, &effort),
+        ] {
+            let report = report.unwrap_or_else(|e| panic!("{caster:?}: {e}"));
+            println!("{report}");
+            assert!(report.held > 60 && report.refused == 0, "{caster:?}: {report}");
+        }
     }
 }

@@ -6,6 +6,8 @@ use glam::DVec3;
 use vr_core::Classification;
 use vr_core::*;
 use vr_physics::check::pictures::*;
+use vr_physics::check::strategies::tame_mixed_point_scene;
+use vr_physics::check::{Effort, agrees_with_its_model, agrees_with_reference_on};
 use vr_splat::{Buffers, Splatter};
 
 const VIEWS: [(f64, f64, Option<f64>); 2] = [(33.0, 21.0, None), (-60.0, 50.0, Some(35.0))];
@@ -130,4 +132,28 @@ fn values_are_picked_of_means_but_not_of_colours() {
         assert_eq!(refused(&renderer, &plain), Some(Feature::Setting));
         assert_eq!(refused(&renderer, &Scene::new(points.clone().into(), transfer())), Some(Feature::Setting));
     }
+}
+
+#[test]
+fn random_clouds_are_what_the_model_sums() {
+    // A cubic spline leaves f32 nothing of itself at the rim of its support: where two rims meet, a mean of these may be either's value. There thin sheets, and the
+    // reference, say more: see below.
+    let bound = |scene: &Scene, _: &View| {
+        let points = scene.volume.points().unwrap();
+        let lost = points.mixing() == PointMixing::Mean && points.kernel() == PointKernel::CubicSpline;
+        if scene.compositing == Compositing::Over && !lost { 1e-4 } else { f64::INFINITY }
+    };
+    let report = agrees_with_its_model(&Splatter::default(), tame_mixed_point_scene(), bound, &Effort::cases(160));
+    let report = report.unwrap_or_else(|e| panic!("{e}"));
+    println!("{report}");
+    assert!(report.held > 40, "{report}");
+}
+
+#[test]
+fn random_clouds_in_thin_sheets_come_to_the_reference() {
+    let renderer = Splatter { slice_spacing: 0.03, termination: 1.0, ..Splatter::default() };
+    let report = agrees_with_reference_on(&renderer, tame_mixed_point_scene(), |_, _| 5e-2, &Effort::cases(64));
+    let report = report.unwrap_or_else(|e| panic!("{e}"));
+    println!("{report}");
+    assert!(report.held > 20, "{report}");
 }

@@ -4,12 +4,12 @@ use vr_core::filter::Lattice;
 use vr_core::{AnyGrid, GradientMethod, GridVolume, Scene, UniformGrid, with_grid};
 
 use super::lattice::Cells;
-use super::layout::Layout;
 use crate::classified::{LightTexels, TextureKey};
 use crate::compression::Compressed;
+use crate::layout::Layout;
 use crate::palette::Levels;
 use crate::region::Region;
-use crate::texture::{Decoded, Relief, TextureVisitor, Voxels, visit_light};
+use crate::texture::{Decoded, InSlices, Relief, TextureVisitor, Voxels, visit_light};
 use crate::texture_slicer::Format;
 
 /// Texels of a brick.
@@ -92,22 +92,23 @@ impl BrickSource<'_> {
 
     /// Makes the texture of a brick: copies, decodes or classifies its texels.
     pub(crate) fn load(&self, region: &Region) -> Brick {
+        let layout = &self.key.layout;
+        // Light, what is decoded and what gradients are found from lie along the volume's own axes.
+        let own = region.turned_back(layout);
         if let Some(key) = &self.key.light {
-            return Brick::Light(LightTexels::new(self.format, self.scene, self.volume, key, region));
+            return Brick::Light(LightTexels::new(self.format, self.scene, self.volume, key, &own));
         }
         if let Some(compressed) = self.compressed {
-            let filled = self.is_filled().then(|| compressed.decode(region));
-            return Brick::Decoded { values: compressed.decode_with_missing(region), filled };
+            let filled = self.is_filled().then(|| compressed.decode(&own));
+            return Brick::Decoded { values: compressed.decode_with_missing(&own), filled };
         }
         let grid = with_grid!(self.volume.values(), g => {
-            let texels = region.copied_along(self.key.layout.axes, &Lattice { samples: g.samples(), dims: g.dims() });
+            let texels = region.copied_along(layout.axes, &Lattice { samples: g.samples(), dims: g.dims() });
             let grid = UniformGrid::new(region.dims, texels, *g.placement(), g.calibration());
             grid.expect("a brick has two texels along each axis").into()
         });
         let filled = self.volume.filled_floats().filter(|_| self.is_filled());
-        // Gradients are found along the volume's own axes.
-        let region = region.turned_back(&self.key.layout);
-        let filled = filled.map(|samples| region.copied(&Lattice { samples, dims: self.volume.dims() }));
+        let filled = filled.map(|samples| own.copied(&Lattice { samples, dims: self.volume.dims() }));
         Brick::Values { grid, filled }
     }
 }
@@ -130,27 +131,25 @@ impl Brick {
         region: &Region,
         visitor: V,
     ) -> V::Output {
-        let dims = region.dims;
         let method = source.key.gradients.unwrap_or_default();
-        let layout = &source.key.layout;
+        let layout = source.key.layout;
+        let own = region.turned_back(&layout);
+        let dims = own.dims;
+        let visitor = InSlices::new(visitor, source.volume, layout);
         match self {
             Self::Values { grid, filled } => with_grid!(grid, g => {
                 let relief = match (method, filled) {
                     (GradientMethod::Analytic, _) => Relief::Interpolant,
-                    (_, Some(samples)) => Relief::filled(&Lattice { samples, dims: layout.turned_back(dims) }, layout.axes),
+                    (_, Some(samples)) => Relief::filled(&Lattice { samples, dims }, layout.axes),
                     (_, None) => Relief::Values,
                 };
-                let lattice = Lattice { samples: g.samples(), dims };
-                let texture = match layout.per_layer {
-                    Some(per_layer) => Voxels::stack(&lattice, per_layer, source.looks_before()),
-                    None => Voxels::new(&lattice),
-                };
-                visitor.visit(texture.with_relief(relief))
+                let lattice = Lattice { samples: g.samples(), dims: region.dims };
+                visitor.of_turned_texels().visit(Voxels::new(&lattice, relief))
             }),
             Self::Decoded { values, filled } => {
                 let filled = Lattice { samples: filled.as_ref().unwrap_or(values), dims };
-                let whole = source.volume.dims();
-                visitor.visit(Decoded::new(&Lattice { samples: values, dims }, (filled, method), region.first, whole))
+                let (values, whole) = (Lattice { samples: &values[..], dims }, source.volume.dims());
+                visitor.visit(Decoded::new(&values, (filled, method), own.first, whole))
             }
             Self::Light(texels) => visit_light(texels, source.palette, dims, visitor),
         }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use vr_core::{Placement, Projection, RenderError, View};
 
-use super::layout::Layout;
+use crate::layout::Layout;
 use crate::region::Region;
 
 /// The bricks of a volume: of so many cells along an edge, fewer at the upper faces; all numbers are along the axes of their texels.

@@ -2,10 +2,8 @@
 
 mod brick;
 mod lattice;
-mod layout;
 mod pool;
 
 pub(crate) use brick::{BrickKey, BrickSource};
 pub(crate) use lattice::BrickLattice;
-pub(crate) use layout::Layout;
 pub(crate) use pool::Pool;

@@ -88,7 +88,8 @@ mod tests {
     use super::*;
     use vr_core::*;
 
-    use super::super::{BrickLattice, Layout};
+    use super::super::BrickLattice;
+    use crate::layout::Layout;
     use crate::texture_slicer::Format;
 
     fn scene() -> Scene {

@@ -6,9 +6,10 @@ use vr_core::GradientMethod;
 use vr_core::filter::Lattice;
 use vr_kernels::vector::{Cells, Field, Lanes, Stage, cells, inside, pick, splat};
 
+use super::Texture;
 use super::blocks::differences;
 use super::interpolant::slopes;
-use super::{Texture, on_slices};
+use super::sliced::on_slices;
 use crate::compression::gradient_of_texels;
 
 /// Cells of a brick in its volume, and where its texels begin; along the axes of the texels.

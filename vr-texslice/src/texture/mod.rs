@@ -4,15 +4,16 @@ mod blocks;
 mod brick;
 mod interpolant;
 mod light;
+mod sliced;
 mod voxels;
 
 pub(crate) use blocks::Blocks;
 pub(crate) use brick::{BrickPart, Decoded, InBrick};
 pub(crate) use light::visit_light;
+pub(crate) use sliced::InSlices;
 pub(crate) use voxels::{Relief, Voxels};
 
-use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16};
+use fearless_simd::{Simd, f32x16};
 use vr_kernels::vector::{Cells, Lanes, cells, inside};
 
 /// A texture, as fragments see it.
@@ -26,14 +27,10 @@ pub(crate) trait Texture: Sync {
     /// Texels along each axis.
     fn dims(&self) -> [usize; 3];
 
-    /// Places at positions, which rounding may have carried past a face.
+    /// Places of samples by their positions, which rounding may have carried past a face.
     #[inline(always)]
     fn place<S: Simd>(&self, simd: S, position: [f32x16<S>; 3]) -> Cells<S> {
-        let dims = self.dims();
-        let max = dims.map(|n| (n - 1) as f32);
-        let [x, y, z] = position;
-        let position = [inside(simd, x, max[0]), inside(simd, y, max[1]), inside(simd, z, max[2])];
-        cells(simd, position, dims.map(|n| n as i32 - 2))
+        self.place_between(simd, position)
     }
 
     /// Fetches what places need.
@@ -44,21 +41,16 @@ pub(crate) trait Texture: Sync {
 
     /// Places of points between samples, where only the gradient is read; in a stack these lie between its slices.
     #[inline(always)]
-    fn place_between<S: Simd>(&self, simd: S, position: [f32x16<S>; 3]) -> Cells<S> {
-        self.place(simd, position)
+    fn place_between<S: Simd>(&self, simd: S, [x, y, z]: [f32x16<S>; 3]) -> Cells<S> {
+        let dims = self.dims();
+        let max = dims.map(|n| (n - 1) as f32);
+        let position = [inside(simd, x, max[0]), inside(simd, y, max[1]), inside(simd, z, max[2])];
+        cells(simd, position, dims.map(|n| n as i32 - 2))
     }
 
     /// Gradients per step of texture coordinates at places, of the lanes in `wanted`; those of other lanes are of no use. Zero of textures that hold light:
     /// gradients were looked at when they were made.
     fn gradient<S: Simd>(&self, simd: S, at: &Cells<S>, wanted: u32, stage: &mut Self::Stage) -> [Lanes; 3];
-}
-
-/// Positions along a stack inside the box, moved to the nearest slice, so many to a layer.
-#[inline(always)]
-fn on_slices<S: Simd>(simd: S, at: f32x16<S>, per_layer: f32, max: f32) -> f32x16<S> {
-    let slice: i32x16<S> = (at * per_layer + 0.5).to_int();
-    // Divided, a slice on a layer is there to the last bit: beside holes it matters.
-    inside(simd, slice.to_float::<f32x16<S>>() / per_layer, max)
 }
 
 /// Work on a texture of whatever type.

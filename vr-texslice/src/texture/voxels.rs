@@ -1,23 +1,19 @@
-//! A texture of values: the volume's own samples, or a stack of its layers.
+//! A texture of values: the volume's own samples, or the same turned for a stack of layers.
 
 use std::sync::Arc;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16};
+use fearless_simd::{Simd, f32x16};
 use vr_core::filter::Lattice;
-use vr_kernels::vector::{Cells, Field, Lanes, Pairs, Stage, cells, central_differences, inside, pick, splat};
+use vr_kernels::vector::{Cells, Field, Lanes, Pairs, Stage, central_differences};
 
+use super::Texture;
 use super::interpolant::slopes;
-use super::{Texture, on_slices};
 
 /// Values, linear along each axis.
 pub(crate) struct Voxels<'a, T> {
     field: Field<'a, T>,
     dims: [usize; 3],
-    /// Slices to a layer along the last axis, where there is nothing between slices: of a stack of 2D textures.
-    per_layer: Option<f32>,
-    /// True if voxels are missing: what lies on a layer of a stack is vacuum, then, if the cell on either side of it is.
-    has_holes: bool,
     relief: Relief<'a>,
 }
 
@@ -40,52 +36,9 @@ impl<'a> Relief<'a> {
 }
 
 impl<'a, T: Pairs> Voxels<'a, T> {
-    /// A 3D texture.
-    pub(crate) fn new(lattice: &Lattice<'a, T>) -> Self {
-        Self {
-            field: Field::new(lattice),
-            dims: lattice.dims,
-            per_layer: None,
-            has_holes: false,
-            relief: Relief::Values,
-        }
-    }
-
-    /// A stack of 2D textures, layer by layer, and so many slices to a layer: those between two layers are interpolated.
-    pub(crate) fn stack(lattice: &Lattice<'a, T>, per_layer: u32, has_holes: bool) -> Self {
-        Self { per_layer: Some(per_layer as f32), has_holes, ..Self::new(lattice) }
-    }
-
-    /// The same, with gradients from a source.
-    pub(crate) fn with_relief(self, relief: Relief<'a>) -> Self {
-        Self { relief, ..self }
-    }
-}
-
-impl<T: Pairs> Voxels<'_, T> {
-    /// Values at places, NaN on the lower face of a cell along the last axis where the cell before it is vacuum.
-    ///
-    /// Its own function: few volumes have holes.
-    #[inline(never)]
-    fn unless_vacuum_before<S: Simd>(&self, simd: S, at: &Cells<S>, value: f32x16<S>) -> f32x16<S> {
-        let mut lanes = Lanes::new(value);
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                let [x, y, z] = at.cell;
-                let [tx, ty, tz] = at.fraction;
-                let on_face = tz.simd_eq(splat(simd, 0.0)) & z.simd_gt(i32x16::splat(simd, 0));
-                if on_face.any_true() {
-                    let cell = [x, y, (z - 1).max(i32x16::splat(simd, 0))];
-                    let before = Cells { cell, fraction: [tx, ty, splat(simd, 1.0)] };
-                    let mut stage = Stage::default();
-                    self.field.fetch(simd, &before, &mut stage);
-                    let there = self.field.value(simd, &before, &stage);
-                    lanes = Lanes::new(pick(on_face & !there.simd_eq(there), there, value));
-                }
-            },
-        );
-        lanes.load(simd)
+    /// The values of a lattice, with gradients from a source.
+    pub(crate) fn new(lattice: &Lattice<'a, T>, relief: Relief<'a>) -> Self {
+        Self { field: Field::new(lattice), dims: lattice.dims, relief }
     }
 }
 
@@ -99,30 +52,13 @@ impl<T: Pairs> Texture for Voxels<'_, T> {
     }
 
     #[inline(always)]
-    fn place<S: Simd>(&self, simd: S, [x, y, z]: [f32x16<S>; 3]) -> Cells<S> {
-        let max = self.dims.map(|n| (n - 1) as f32);
-        let mut z = inside(simd, z, max[2]);
-        if let Some(per_layer) = self.per_layer {
-            z = on_slices(simd, z, per_layer, max[2]);
-        }
-        cells(simd, [inside(simd, x, max[0]), inside(simd, y, max[1]), z], self.field.last_cell)
-    }
-
-    #[inline(always)]
     fn fetch<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Stage<T>) {
         self.field.fetch(simd, at, stage);
     }
 
     #[inline(always)]
     fn read<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Stage<T>) -> [f32x16<S>; 4] {
-        let value = self.field.value(simd, at, stage);
-        [if self.has_holes { self.unless_vacuum_before(simd, at, value) } else { value }; 4]
-    }
-
-    #[inline(always)]
-    fn place_between<S: Simd>(&self, simd: S, [x, y, z]: [f32x16<S>; 3]) -> Cells<S> {
-        let max = self.dims.map(|n| (n - 1) as f32);
-        cells(simd, [inside(simd, x, max[0]), inside(simd, y, max[1]), inside(simd, z, max[2])], self.field.last_cell)
+        [self.field.value(simd, at, stage); 4]
     }
 
     #[inline(always)]

@@ -69,7 +69,7 @@ fn what_cannot_be_seen_is_not_loaded() {
     let blobs = phantom_scene::<u8>("blobs", 48, 1.0);
     let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..blobs.clone() };
     let formats = [Format::Scalar, Format::PreIntegrated, Format::Compressed, Format::Rgba, Format::Paletted];
-    let stacks = [Format::Scalar, Format::PreIntegrated].map(|format| (format, Proxy::Stacks));
+    let stacks = formats.map(|format| (format, Proxy::Stacks));
     for (format, proxy) in formats.map(|format| (format, Proxy::Planes)).into_iter().chain(stacks) {
         for (scene, slice_spacing) in [(&blobs, 0.7), (&shaded, 0.7), (&shaded, 7.0)] {
             for fov in [None, Some(60.0)] {
@@ -92,7 +92,7 @@ fn what_cannot_be_seen_is_not_loaded() {
 #[test]
 fn several_samples_a_pixel_opaque_layers_and_threads() {
     let scene = Scene { shading: Some(Arc::new(Shading::default())), ..grey::<u16>() };
-    let stacks = [Format::Scalar, Format::PreIntegrated].map(|format| (format, Proxy::Stacks));
+    let stacks = FORMATS.map(|format| (format, Proxy::Stacks));
     for view in views(&scene).into_iter().skip(1) {
         let several = View { supersampling: 2, ..view.clone() };
         let layered = layered(&scene, &view);
@@ -155,6 +155,9 @@ fn a_budget_needs_room_for_one_brick() {
         (&holed_plain, Format::Scalar, 810, 4),
         (&holes, Format::Scalar, 1331, 8),
         (&holes, Format::PreIntegrated, 1452, 8),
+        (&shaded, Format::Rgba, 729, 16),
+        (&holed_plain, Format::Rgba, 810, 16),
+        (&holes, Format::Paletted, 810, 25),
     ] {
         needs(TextureSlicer { format, proxy: Proxy::Stacks, ..TextureSlicer::default() }, scene, texels * texel);
     }

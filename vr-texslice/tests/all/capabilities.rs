@@ -6,6 +6,8 @@ use vr_core::*;
 use vr_physics::check::pictures::*;
 use vr_texslice::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
 
+use crate::every_setting::PROXIES;
+
 #[test]
 fn what_it_cannot_draw_it_refuses() {
     let scene = phantom_scene::<u8>("fog", 8, 1.0);
@@ -88,6 +90,24 @@ fn stages_tell_what_had_to_be_made() {
     }
 }
 
+/// Light of a stack is that of slabs met at a right angle: views along the same axis share it.
+#[test]
+fn a_stack_of_light_serves_all_views_along_its_axis() {
+    let scene = phantom_scene::<u8>("fog", 16, 1.0);
+    let control = Control::default();
+    for (format, made) in [(Format::Rgba, "classify"), (Format::Paletted, "palette")] {
+        let renderer = TextureSlicer { format, proxy: Proxy::Stacks, ..TextureSlicer::default() };
+        let mut prepared = renderer.prepare(&scene, &control).unwrap();
+        for (k, azimuth) in [10.0, 25.0, -40.0, 12.0].into_iter().enumerate() {
+            let view = view(&scene, azimuth, 5.0, None, 16);
+            let drawn = prepared.render(&view, &control).unwrap();
+            let anew = drawn.stats.stages.iter().any(|(stage, _)| [made, "classify"].contains(stage));
+            assert_eq!(anew, k == 0, "{format:?} {azimuth}: {:?}", drawn.stats.stages);
+            assert!(drawn.frame == draw(&renderer, &scene, &view).frame, "{format:?} {azimuth}");
+        }
+    }
+}
+
 #[test]
 fn grey_light_is_the_same_in_two_channels_and_in_four() {
     let colored = phantom_scene::<u8>("fog", 16, 1.0);
@@ -98,8 +118,10 @@ fn grey_light_is_the_same_in_two_channels_and_in_four() {
     let shaded = Scene { shading: Some(Shading::default().into()), ..plain.clone() };
     for (scene, fov) in [(&plain, None), (&plain, Some(40.0)), (&shaded, None)] {
         let view = view(scene, 33.0, 21.0, fov, 24);
-        let of = |format| draw(&TextureSlicer { format, ..TextureSlicer::default() }, scene, &view).frame;
-        assert_eq!(of(Format::LuminanceAlpha), of(Format::Rgba));
+        for proxy in PROXIES {
+            let of = |format| draw(&TextureSlicer { format, proxy, ..TextureSlicer::default() }, scene, &view).frame;
+            assert_eq!(of(Format::LuminanceAlpha), of(Format::Rgba), "{proxy:?}");
+        }
     }
 }
 

@@ -33,12 +33,13 @@ fn rmse_bound(case: &str, values: bool) -> f64 {
         "anisotropy" => [3.3e-3, 0.041],
         "grazing-rays" => [2.7e-3, 0.011],
         "axis-aligned" => [3.2e-3, 0.011],
-        "camera-inside" => [0.05, 4.2e-3],
+        // Stacks: what lies between layers is seen from near by.
+        "camera-inside" => [0.05, 0.043],
         "far-origin" => [7.8e-3, 0.018],
         "faint" => [1.3e-3, 1.3e-3],
         "many-faint-steps" => [3.3e-6, 3.3e-6],
         "bright" => [5.6e-3, 0.036],
-        "missing-voxels" => [0.026, 7.4e-3],
+        "missing-voxels" => [0.026, 0.012],
         "two-samples" => [6.2e-3, 0.057],
         "constant" => [1e-7, 1e-7],
         "full-u16" => [0.033, 0.3],
@@ -75,15 +76,9 @@ fn every_texture_survives_hard_cases() {
             let renderer = TextureSlicer { format, proxy, ..TextureSlicer::default() };
             let how = format!("{format:?} {proxy:?}");
             let values = matches!(format, Format::Scalar | Format::PreIntegrated | Format::Compressed);
-            let stackable = matches!(format, Format::Scalar | Format::PreIntegrated) || proxy != Proxy::Stacks;
             // The largest error of light that is interpolated may be anything: the RMSE says more.
             let bound = |case: &Case| DocumentedError::Rmse(rmse_bound(case.name, values));
             let table = check::survives_hard_cases(&renderer, bound, &Reference::new(1e-5));
-            if !stackable {
-                let refused = table.expect_err("no case has such a stack");
-                assert!(refused.reason.contains("refuses all"), "{how}: {refused}");
-                continue;
-            }
             let table = table.unwrap_or_else(|e| panic!("{how}: {e}"));
             println!("{how}\n{table}");
             assert!(hold(&table, &how, values) >= 12, "{how}");

@@ -8,6 +8,7 @@ mod depths;
 mod every_setting;
 mod gradients;
 mod model;
+mod nearest;
 mod pictures;
 mod random_scenes;
 mod shading;

@@ -40,6 +40,10 @@ fn renderers() -> Vec<(&'static str, TextureSlicer)> {
         ("stacks 1", TextureSlicer { slice_spacing: 1.0, ..stacks.clone() }),
         ("stacks uncorrected", TextureSlicer { correction: false, ..stacks.clone() }),
         ("stacks pre-integrated", TextureSlicer { format: Format::PreIntegrated, ..stacks.clone() }),
+        ("stacks compressed", TextureSlicer { format: Format::Compressed, ..stacks.clone() }),
+        ("stacks rgba", TextureSlicer { format: Format::Rgba, ..stacks.clone() }),
+        ("stacks rgba uncorrected", TextureSlicer { format: Format::Rgba, correction: false, ..stacks.clone() }),
+        ("stacks paletted", TextureSlicer { format: Format::Paletted, slice_spacing: 1.0, ..stacks.clone() }),
     ]
 }
 

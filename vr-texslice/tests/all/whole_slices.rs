@@ -43,7 +43,7 @@ fn several_samples_a_pixel_and_opaque_layers() {
         let several = View { supersampling: 3, ..view.clone() };
         let layered = layered(&scene, &view);
         for proxy in PROXIES {
-            for format in [Format::Scalar, Format::PreIntegrated] {
+            for format in [Format::Scalar, Format::PreIntegrated, Format::Compressed, Format::Rgba] {
                 let renderer = TextureSlicer { format, proxy, ..TextureSlicer::default() };
                 for (scene, view) in [(&scene, &several), (&layered, &view)] {
                     let [tiles, slices] = in_both_orders(&renderer, scene, view).expect("it can draw this");

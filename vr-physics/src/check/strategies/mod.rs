@@ -21,7 +21,7 @@
 //! | adaptive meshes | [`adaptive_scene`] | [`tame_adaptive_scene`] |
 //! | rectilinear grids | [`rectilinear_scene`] | [`tame_rectilinear_scene`] |
 //!
-//! [`shaded_point_scene`]: tame, and shaded.
+//! [`shaded_point_scene`]: tame, and shaded. [`tame_mixed_point_scene`]: tame, of weighted means or with colours.
 
 mod adaptive;
 mod assembly;
@@ -44,7 +44,9 @@ pub use grids::{grid, smooth_grid, tame_grid};
 pub use kinds::{Kind, scene_of};
 pub use looks::{compositing, filter, shading, tame_compositing};
 pub use meshes::{cell_mesh, mesh_scene, tame_mesh_scene, uneven_cubes};
-pub use points::{point_scene, point_set, shaded_point_scene, tame_point_scene};
+pub use points::{
+    mixed_point_set, point_scene, point_set, shaded_point_scene, tame_mixed_point_scene, tame_point_scene,
+};
 pub use rectilinear::{rectilinear_grid, rectilinear_scene, tame_rectilinear_grid, tame_rectilinear_scene};
 pub use scenes::{scene, smooth_scene, tame_scene};
 pub use transfers::{smooth_transfer, tame_transfer, transfer};
