@@ -78,7 +78,7 @@ pub fn tame_point_scene() -> impl Strategy<Value = TestScene> {
     assembly::scenes(point_set(), tame_recipe(), plain_picture(generic()), look)
 }
 
-/// The same of [points that are mixed](mixed_point_set).
+/// The same of [points that are mixed](mixed_point_set). Where a ray goes along the rims of two supports, the reference's bound may be wide.
 pub fn tame_mixed_point_scene() -> impl Strategy<Value = TestScene> {
     let look = tame_compositing().prop_map(|compositing| Look::plain(compositing, None));
     assembly::scenes(mixed_point_set(), tame_recipe(), plain_picture(generic()), look)
@@ -128,9 +128,9 @@ mod tests {
     }
 
     #[test]
-    fn tame_scenes_of_means_and_colours_are_certain_and_most_are_visible() {
-        // Where the rims of two supports meet, a mean changes fast: 1.4·10⁻⁷ and more.
-        tame_scenes_are_certain(&draw(tame_mixed_point_scene(), 200), 1e-6);
+    fn tame_scenes_of_means_and_colours_are_solved() {
+        // With a proven bound, which is wide where a ray goes along the rims of two supports: a mean changes from one value to the other there.
+        scenes_are_solved(&draw(tame_mixed_point_scene(), 200));
     }
 
     #[test]
