@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use vr_core::image_order::ImageSample;
+use vr_kernels::vector::LANES;
 
 use crate::projection::{Footprint, TILE};
 
@@ -33,6 +34,15 @@ impl NearDepths {
         } else {
             0.0
         }
+    }
+
+    /// Returns the depths of the rays of a packet, +∞ for those that it lacks; `None` if none of them can see anything.
+    pub(crate) fn at_spots(&self, spots: &[ImageSample]) -> Option<[f64; LANES]> {
+        let mut nearest = [f64::INFINITY; LANES];
+        for (nearest, spot) in nearest.iter_mut().zip(spots) {
+            *nearest = self.at_spot(spot);
+        }
+        nearest.iter().any(|&depth| depth < f64::INFINITY).then_some(nearest)
     }
 
     /// Returns all tiles.

@@ -11,20 +11,19 @@ mod walk;
 
 use std::sync::Arc;
 
+use fearless_simd::Level;
 use vr_core::filter::Lattice;
 use vr_core::image_order::ImageSample;
 use vr_core::{
     Compositing, Counts, Feature, Filter, GridVolume, IndexRay, LatticeVisitor, Layer, Rays, Real, RenderError, Scene,
     VacuumCells, View, Voxel,
 };
-
 use vr_kernels::vector::LANES;
 
 use crate::capabilities::unsupported;
 use crate::tracer::{RaySample, Tracer};
 use account::{Account, Limits};
 use blocks::Blocks;
-use fearless_simd::Level;
 use optics::Optics;
 use packets::{BoundedPackets, PacketView};
 use piece_by_piece::Integral;
@@ -115,6 +114,12 @@ impl ErrorBound {
     }
 }
 
+/// Returns the largest component of the surface behind a pixel; 0 where there is none.
+fn backdrop(layer: &Layer, pixel: usize) -> f32 {
+    let (color, depth) = layer.pixels[pixel];
+    if depth < f32::INFINITY { color.into_iter().fold(0.0, f32::max) } else { 0.0 }
+}
+
 /// Tracer of the rays of one view within the bound of the error.
 pub(crate) struct BoundedRays<'a> {
     pub(crate) error_bound: &'a ErrorBound,
@@ -124,7 +129,7 @@ pub(crate) struct BoundedRays<'a> {
     pub(crate) rays: Rays,
     /// True if f32 is tried first.
     pub(crate) single: bool,
-    /// Packets, which come before that.
+    /// Packets, which are tried before rays go one by one.
     pub(crate) packets: Option<PacketView<'a>>,
 }
 
@@ -155,14 +160,14 @@ impl Tracer for BoundedRays<'_> {
     }
 }
 
-/// Ways to find a ray's light that may fail, from the cheapest on.
+/// Ways to trace a ray that may not keep its bound, the cheapest first.
 #[derive(Default)]
 struct Stages {
     packets: Tries,
     single: Tries,
 }
 
-/// Counts of a group's rays so far that went one way.
+/// Numbers of rays of a group that were traced one way so far.
 #[derive(Default)]
 struct Tries {
     tried: u32,
@@ -170,7 +175,7 @@ struct Tries {
 }
 
 impl Tries {
-    /// False if most rays have to be done again, so that this way is a waste.
+    /// False if most rays have to be traced again, so that trying this way costs more than it saves.
     fn is_worth_while(&self) -> bool {
         self.tried < 8 || 2 * self.failed < self.tried
     }
@@ -182,10 +187,7 @@ impl BoundedRays<'_> {
         let far = layer.map_or(f64::INFINITY, |l| l.depth(spot.pixel));
         let ray = self.rays.at(spot.x, spot.y);
         let part = IndexRay::new(&ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far);
-        let backdrop = layer.filter(|_| far < f64::INFINITY).map_or(0.0, |l| {
-            let color = l.pixels[spot.pixel].0;
-            color.into_iter().map(f64::from).fold(0.0, f64::max)
-        });
+        let backdrop = layer.map_or(0.0, |l| f64::from(backdrop(l, spot.pixel)));
         let value = part.map_or(RaySample::NOTHING, |part| {
             counts.rays += 1;
             let account = self.both_stages(part, backdrop, single, counts);

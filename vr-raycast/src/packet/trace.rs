@@ -46,15 +46,10 @@ impl<T: PacketField> Vectorized for Trace<'_, T> {
         let mut lights = PacketLights::default();
         let mut stages = [T::Stage::default(), T::Stage::default()];
         for (group, spots) in self.spots.chunks(LANES).enumerate() {
-            let mut nearest = [f64::INFINITY; LANES];
-            let mut any = false;
-            for (nearest, spot) in nearest.iter_mut().zip(spots) {
-                *nearest = self.frame.near.map_or(0.0, |near| near.at_spot(spot));
-                any |= *nearest < f64::INFINITY;
-            }
+            let nearest = self.frame.near.map_or(Some([0.0; LANES]), |near| near.at_spots(spots));
             let mut traced = [RaySample::NOTHING; LANES];
             packet.hits = 0;
-            if any {
+            if let Some(nearest) = nearest {
                 setup.packet(simd, spots, &nearest, &mut packet);
             }
             if packet.hits != 0 {

@@ -17,29 +17,30 @@ pub(super) struct CostTable {
     /// At the start and the end of each bin: the largest L in it; how much that has changed from bin to bin; and how much the slopes of κ and of c have
     /// changed up to there. What changes at the edge between two bins is in the start of the second.
     changes: Vec<[[f32; 4]; 2]>,
-    /// Ranges of values at which no step may be taken: walls, and what is nearly one.
+    /// Ranges of values for which packets have no bound: walls, and opacities close to 1.
     walls: Vec<[f32; 2]>,
     origin: f32,
     per_unit: f32,
-    /// A quarter of the width of a bin, in stored units: what is looked up is off by so much per change of slope.
+    /// A quarter of the width of a bin, in stored units. Times the change of slope in the bin, it bounds the error of what is looked up there.
     pub(super) quarter: f32,
-    /// What sums of changes may be off by.
+    /// Bounds on the rounding error of the differences of these sums.
     slack: [f32; 3],
     /// Largest radiance that may come from behind a step, and from a source: M.
     pub(super) brightest: f32,
-    /// Upper bound of the error of a value by the place of its bin.
+    /// Upper bound on the rounding error of a value's place among the bins, in stored units.
     pub(super) misplaced: f32,
 }
 
-/// Bins that the steepest piece of a transfer function has at least, where that many are allowed.
+/// Number of bins across the narrowest piece of a transfer function, as far as the limits allow.
 const BINS_A_PIECE: f64 = 64.0;
-const LEAST_BINS: f64 = 1024.0;
-const MOST_BINS: f64 = 8192.0;
+/// Limits of the number of bins, before their width is rounded down to a power of two: tables take a megabyte at most.
+const MIN_BINS: f64 = 1024.0;
+const MAX_BINS: f64 = 8192.0;
 
 /// Clearness 1 − α below which a medium counts as a wall: κ is 14 per unit distance there.
 const NEARLY_A_WALL: f64 = 1e-6;
 
-/// Changes over the range of the values of a step.
+/// Bounds on how the medium changes over the values of a step.
 pub(super) struct Changes<S: Simd> {
     /// Largest L.
     pub(super) steepest: f32x16<S>,
@@ -49,8 +50,8 @@ pub(super) struct Changes<S: Simd> {
 }
 
 impl CostTable {
-    /// Makes the tables for values from `low` to `high`, and lengths in units of `unit` world units; `None` where steps of these tables prove nothing: under emission given on its
-    /// own, or where no value exists.
+    /// Makes the tables for values from `low` to `high`, and lengths in units of `unit` world units; `None` if there is no bound: under emission given on its own, and for a range
+    /// without values or without length.
     pub(super) fn new(optics: &Optics, [low, high]: [f32; 2], unit: f64) -> Option<Self> {
         let range = f64::from(high) - f64::from(low);
         if optics.emits || !(range > 0.0 && range.is_finite()) {
@@ -58,8 +59,8 @@ impl CostTable {
         }
         let pieces = optics.pieces().iter().map(|p| p.to - p.from);
         let narrowest = pieces.filter(|&width| width > 0.0).fold(range, f64::min);
-        let bins = (BINS_A_PIECE * range / narrowest).clamp(LEAST_BINS, MOST_BINS);
-        // Bins as wide as a power of two, and counted from 0: control points at whole numbers lie between them, not in them.
+        let bins = (BINS_A_PIECE * range / narrowest).clamp(MIN_BINS, MAX_BINS);
+        // A width that is a power of two, and an origin that is a multiple of it, put control points at whole numbers on edges of bins.
         let width = libm::exp2(libm::floor(libm::log2(range / bins)));
         let even = libm::floor(f64::from(low) / width) * width;
         let origin = if f64::from(even as f32) == even { even } else { f64::from(low) };
@@ -153,10 +154,10 @@ impl CostTable {
     }
 }
 
-/// Ranges of values at which the medium is a wall, or nearly one; wider by what f32 rounds.
+/// Returns the ranges of values with an opacity of 1 or nearly so, widened by rounding to f32.
 fn walls(optics: &Optics) -> Vec<[f32; 2]> {
     let mut walls: Vec<[f32; 2]> = Vec::new();
-    // What a single value is cannot be seen from those beside it.
+    // A medium of a single value is in no bin.
     for piece in optics.pieces().iter().filter(|p| p.from == p.to || is_nearly_a_wall(optics, p)) {
         let steep = piece.opacity_slope.abs();
         // The part of the piece that is nearly opaque.
@@ -250,7 +251,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Counts what changes from one part to the next: slopes, and what jumps. A jump is taken for four times a slope over a bin, which makes a step over it cost at least what it changes.
+    /// Adds the changes of slope, and the jumps, between two neighbouring parts. A jump counts as four times its slope over a bin: a quarter of a bin times that is the
+    /// jump itself, which a step across it costs at least.
     fn join(&mut self, last: &Ends, next: &Ends) {
         let most = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, f64::max);
         self.sums[1] +=

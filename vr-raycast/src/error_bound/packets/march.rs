@@ -19,7 +19,7 @@ pub(super) struct Medium<'a, T> {
     pub(super) costs: &'a CostTable,
     /// Difference of the largest and the smallest value of the field.
     pub(super) span: f32,
-    /// Upper bound of what the field's values are off by, apart from positions: rounding.
+    /// Upper bound on the rounding error of the field's values at exact positions.
     pub(super) noise: f32,
     /// Error that a ray may have, relative to max(1, its radiance).
     pub(super) error: f32,
@@ -35,7 +35,7 @@ pub(super) struct Packet {
     pub(super) delta: [[f64; LANES]; 3],
     /// The same, rounded.
     pub(super) rounded_delta: [Lanes; 3],
-    /// Distances from which on something may be seen, and at which each ray ends; −∞ for one that does not meet the volume.
+    /// Distances from which something may be visible, and at which each ray ends; −∞ for one that does not meet the volume.
     pub(super) first: Lanes,
     pub(super) end: Lanes,
     /// Largest component of what stands behind the volume.
@@ -47,18 +47,18 @@ pub(super) struct Marched {
     pub(super) rgba: [Lanes; 4],
     /// Distance at which opacity reaches a half; +∞ where it does not.
     pub(super) half: Lanes,
-    /// Masks of the rays that have kept their bound, and of those that ended early.
+    /// Masks of the rays whose bound is kept, and of those that ended early.
     pub(super) kept: u32,
     pub(super) ended: u32,
     pub(super) samples: u32,
 }
 
-/// Smallest length below which steps are taken as they are.
+/// Length of the shortest steps, which are taken whatever they cost.
 const SHORTEST: f32 = 1.0 / 16384.0;
-/// Error of a position, in cells: what a fraction of a cell is rounded by, three times.
+/// Error of a position, in cells: its three fractions are rounded to f32.
 const MISPLACED: f32 = 4.0 / (1 << 24) as f32;
-/// Rounds of a packet, after which its rays are done another way.
-const MOST_ROUNDS: u32 = 1 << 13;
+/// Largest number of rounds of a packet; rays that are not done then have no bound here.
+const MAX_ROUNDS: u32 = 1 << 13;
 
 /// Takes sixteen rays to their ends.
 #[inline(never)]
@@ -83,14 +83,14 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
     let [dx, dy, dz] = &packet.rounded_delta;
     let delta = [dx.load(simd), dy.load(simd), dz.load(simd)];
     let exits = Exits::new(simd, &delta);
-    // Largest part of the cubic t(t − ½)(t − 1), and a sixth of f‴ in a unit.
+    // The cubic part is the third difference of the corners times dx dy dz h³ t(t − ½)(t − 1), the last of which is at most √3/36.
     let cubic = (delta[0] * delta[1] * delta[2]).abs() * 0.0482;
     let whole = packet.end.load(simd);
     let mut end = whole;
-    // Positions are as exact as f64 has them, but distances are f32: steps end a little behind faces, and leaps a little before them.
+    // Distances are rounded to f32: steps end a little behind faces, and leaps a little before them, so that neither misses anything.
     let margin = whole.max(one) * (1.0 / (1 << 24) as f32);
     let shortest = (margin * 8.0).max(splat(simd, SHORTEST));
-    // A step that ends behind its face goes on as its cell would: off by two slopes over less than two margins.
+    // Behind its face a step follows the field of its own cell, over less than two margins. The two fields differ there by their slopes.
     let beyond = margin * margin * (8.0 * medium.span);
     let per_length = splat(simd, 0.45 * medium.error) / whole.max(splat(simd, f32::MIN_POSITIVE));
     let brightest = splat(simd, costs.brightest);
@@ -111,7 +111,7 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
             break;
         }
         rounds += 1;
-        if rounds > MOST_ROUNDS {
+        if rounds > MAX_ROUNDS {
             failed |= live;
             break;
         }
@@ -125,7 +125,7 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
             let found = seeking & !leaping;
             // Behind the next face another block is looked up.
             out = pick(found, at + exit.max(margin), out);
-            // Positions are off by so much, and cells are left by a little more than that.
+            // Fractions of a cell are rounded: at most this changes the value.
             noise = pick(found, span * MISPLACED + medium.noise, noise);
             at = pick(leaping, at + exit - margin * 2.0, at);
             fresh |= leaping;
@@ -156,7 +156,7 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
         let last = [x + delta[0] * forth, y + delta[1] * forth, z + delta[2] * forth];
         let along = Along::new(simd, field, stage, [&first, &middle, &last]);
         let next = along.end;
-        // The medium at the begin is that of the value that the last cell gave there.
+        // The medium at the begin was looked up for the value that the last cell gave there.
         let off = pick(fresh, zero, (along.begin - value).abs());
         let course = Course {
             values: [pick(fresh, next, along.begin), along.middle, next],
@@ -169,7 +169,7 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
         let rounding = clear * stepping.rounding * 2.0;
         let Step { light, there, .. } = stepping;
         let opacity = light[3];
-        // Steps that cost more than their share are taken again, shorter.
+        // Reject steps that cost more than their share; they are tried again, shorter.
         let left = clear * (one - opacity);
         let share = per_length * to + (one - left) * (0.45 * medium.error);
         let allowed = ((share - spent) * 0.5).max(zero);
@@ -180,7 +180,7 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
         let ratio = (allowed * 0.8 / cost.max(splat(simd, f32::MIN_POSITIVE))).sqrt();
         let ratio = pick(is_cheap, splat(simd, 2.0), ratio.max(splat(simd, 0.125)).min(splat(simd, 2.0)));
         let grown = (length * ratio).max(shortest);
-        // A step that a face cut short says nothing against longer ones.
+        // A step that ended at a face says nothing about longer ones: keep the length that was tried.
         let grown = pick(stepped, grown.max(pick(length.simd_lt(step * 0.99), step, zero)), grown);
         step = pick(active & !fresh, grown, step);
         sums.add(simd, stepped, [at, length], light);
@@ -201,7 +201,7 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
         spent = pick(done, spent + rest, spent);
         end = pick(done | over, never, end);
     }
-    // The last step ends where f32 has the end.
+    // The end of the ray is rounded to f32.
     spent += here[3] * sums.clear(simd) * whole.max(zero) * (f32::EPSILON * costs.brightest);
     finish(simd, packet, &sums, [spent, end], failed, (samples, rounds), [medium.error, costs.brightest])
 }

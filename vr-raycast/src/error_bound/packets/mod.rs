@@ -1,4 +1,4 @@
-//! Packets of sixteen rays that keep account of their error: each step's cost is known from what the field and the transfer function can do within it.
+//! Packets of sixteen rays that keep account of their error: the cost of each step follows from how the field and the transfer function can vary within it.
 //!
 //! The README beside `error_bound` has the proof. A ray whose account does not balance is left to the cell-by-cell integrator.
 
@@ -39,7 +39,7 @@ pub(super) struct BoundedPackets {
 }
 
 impl BoundedPackets {
-    /// Prepares a scene; `None` for what these packets have no bounds for: other filters than trilinear, missing voxels, emission given on its own.
+    /// Prepares a scene; `None` if these packets have no bounds for it: with other filters than trilinear, missing voxels, or emission given on its own.
     pub(super) fn new(level: Level, volume: &GridVolume, optics: &Optics, blocks: &Blocks) -> Option<Self> {
         if volume.filter() != Filter::Trilinear || volume.vacuum_cells().is_some() {
             return None;
@@ -53,7 +53,7 @@ impl BoundedPackets {
         let costs = CostTable::new(optics, [low, high], unit)?;
         let seen = |[x, y, z]: [usize; 3]| blocks.state(blocks.index([x, y, z])) != State::Clear;
         let hull = Hull::new(dims, VisibleBlocks::from_fn(dims, EDGE, seen));
-        // Three rounds of interpolation, each of a difference, a product and a sum; and knots whose places are rounded.
+        // Rounding of three linear interpolations, each of a difference, a product and a sum; and of the knots' places.
         let noise = f64::from(low.abs().max(high.abs())) * 24.0 * libm::exp2(-24.0) + optics.knot_error;
         Some(Self {
             level,
@@ -89,7 +89,7 @@ impl<'a> PacketView<'a> {
         Ok(Self { packets, near, forward: view.camera.frame()?.z_axis, error })
     }
 
-    /// Traces up to sixteen rays, and returns the mask of those whose bound is not kept: their values are to be found another way.
+    /// Traces up to sixteen rays, and returns the mask of those whose bound is not kept: the caller has to trace these by other means.
     pub(super) fn trace(
         &self,
         volume: &GridVolume,
@@ -133,13 +133,8 @@ impl<T: Pairs> Vectorized for Trace<'_, T> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> u32 {
         let mut stage = Stage::default();
-        let mut nearest = [f64::INFINITY; LANES];
-        let mut any = false;
-        for (nearest, spot) in nearest.iter_mut().zip(self.spots) {
-            *nearest = self.view.near.at_spot(spot);
-            any |= *nearest < f64::INFINITY;
-        }
-        let Some((packet, begin)) = any.then(|| self.packet(&nearest)).filter(|(packet, _)| packet.hits != 0) else {
+        let seeing = self.view.near.at_spots(self.spots);
+        let Some((packet, begin)) = seeing.map(|nearest| self.packet(&nearest)).filter(|(p, _)| p.hits != 0) else {
             return 0;
         };
         let Marched { rgba, half, kept, ended, samples } = march(simd, self.medium, &packet, &mut stage);
@@ -167,9 +162,7 @@ impl<T> Trace<'_, T> {
             (x[i], y[i]) = (spot.x, spot.y);
             if let Some(layer) = layer {
                 far[i] = layer.depth(spot.pixel);
-                if far[i] < f64::INFINITY {
-                    backdrop.0[i] = layer.pixels[spot.pixel].0.into_iter().fold(0.0, f32::max);
-                }
+                backdrop.0[i] = super::backdrop(layer, spot.pixel);
             }
         }
         let placement = self.volume.placement();

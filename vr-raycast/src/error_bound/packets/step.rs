@@ -1,4 +1,4 @@
-//! Light of a step, and a bound of what it misses.
+//! Light of a step, and a bound on its error.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
@@ -23,15 +23,15 @@ pub(super) struct Step<S: Simd> {
     pub(super) light: [f32x16<S>; 4],
     /// Medium at the end.
     pub(super) there: [f32x16<S>; 4],
-    /// Bound of the error of the radiance in front of the step, whatever comes from behind it.
+    /// Bound on the error of the radiance in front of the step, for any radiance behind it up to the brightest.
     pub(super) missed: f32x16<S>,
-    /// The part of that bound that shorter steps would not make smaller: rounding, and what tables are off by.
+    /// The part of that bound which is proportional to the length, so that shorter steps gain nothing: rounding, and the errors of tables.
     pub(super) rounding: f32x16<S>,
 }
 
 impl<S: Simd> Step<S> {
-    /// Takes steps of a length from places with the medium `here`; the README beside this folder has the bounds one by one. `beyond` bounds what a step is off by, as a value
-    /// times a length, for it may end a little behind its cell.
+    /// Takes steps of a length from places with the medium `here`; the README beside this folder derives each bound. `beyond` is the error of the value, integrated over the
+    /// part of the step behind its cell.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
@@ -67,7 +67,7 @@ impl<S: Simd> Step<S> {
             (here[2] * opacity + colors[2] * behind + slopes[2] * bulge).max(zero),
             opacity,
         ];
-        // Values that are not known, and a medium that is not linear in them.
+        // Errors of the values, and of a medium that is not linear in them.
         let rounding = changes.steepest * (course.unsure * length + beyond);
         let looked_up = changes.kappa * costs.quarter * length;
         let missed_depth = changes.kappa * (span * (1.0 / 6.0) + beside * (2.0 / 3.0)) * length + looked_up;
@@ -76,7 +76,7 @@ impl<S: Simd> Step<S> {
         let color_slope = slopes[0].abs().max(slopes[1].abs()).max(slopes[2].abs());
         let missed_color =
             changes.color * (span * 0.25 + beside + costs.quarter) + color_slope * (bowed * uneven + cubic);
-        // The place of the colour within the step.
+        // Errors of W, where the colour changes along the step.
         let color = colors[0].abs().max(colors[1].abs()).max(colors[2].abs());
         let order =
             size * size * (one + size) * (1.0 / 128.0) + size * (tau * tau * (1.0 / 96.0)).min(splat(simd, 1.0 / 24.0));
