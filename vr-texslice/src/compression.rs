@@ -2,10 +2,11 @@
 
 use vr_core::filter::Lattice;
 use vr_core::parallel::each_part;
-use vr_core::{Filter, GridVolume, LatticeVisitor, Real, VacuumCells, Voxel, gradient_between_samples};
+use vr_core::{GridVolume, LatticeVisitor, Real, VacuumCells, Voxel, gradient_between_samples};
 use vr_kernels::ranges::BlockRange;
 
 use crate::region::Region;
+use crate::texel_cell::texel_cell;
 
 /// Texels along the edge of a block.
 const EDGE: usize = 4;
@@ -31,14 +32,12 @@ pub(crate) struct Compressed {
     levels: Vec<u64>,
     /// Cells with a missing corner, a bit each: blocks hold the nearest value in the place of missing ones. `None` if there are none.
     vacuum: Option<VacuumCells>,
-    /// True if the field is that of the nearest texel.
-    nearest: bool,
 }
 
 impl Compressed {
     pub(crate) fn new(volume: &GridVolume) -> Self {
         let all = volume.with_lattice(Compress { end_bytes: volume.voxel_type().bytes() });
-        Self { vacuum: volume.vacuum_cells().cloned(), nearest: volume.filter() == Filter::Nearest, ..all }
+        Self { vacuum: volume.vacuum_cells().cloned(), ..all }
     }
 
     /// Bytes that the texture of a volume takes here.
@@ -81,14 +80,9 @@ impl Compressed {
         corners
     }
 
-    /// The stored number at a place in index space, linear between texels or that of the nearest; NaN beside a missing one, where cells meet on either side.
-    pub(crate) fn value_at(&self, at: [f64; 3]) -> f64 {
-        if self.vacuum.as_ref().is_some_and(|vacuum| vacuum.contains(at)) {
-            return f64::NAN;
-        }
-        let cell: [usize; 3] = std::array::from_fn(|a| (at[a] as usize).min(self.dims[a] - 2));
-        let at = if self.nearest { at.map(|x| (x + 0.5).floor()) } else { at };
-        let [x, y, z]: [f64; 3] = std::array::from_fn(|a| at[a] - cell[a] as f64);
+    /// The stored number at a place in the index space of the volume, linear between texels or that of the nearest; NaN where [`texel_cell`] has none.
+    pub(crate) fn value_at(&self, volume: &GridVolume, at: [f64; 3]) -> f64 {
+        let Some((cell, [x, y, z])) = texel_cell(volume, at) else { return f64::NAN };
         let [c0, c1, c2, c3, c4, c5, c6, c7] = self.cell(cell).map(f64::from);
         let mix = |low: f64, high: f64, t: f64| low + t * (high - low);
         mix(mix(mix(c0, c1, x), mix(c2, c3, x), y), mix(mix(c4, c5, x), mix(c6, c7, x), y), z)
@@ -236,7 +230,7 @@ impl LatticeVisitor for Compress {
                 }
             }
         });
-        Compressed { dims, blocks, bits, end_bytes: self.end_bytes, ends, levels, vacuum: None, nearest: false }
+        Compressed { dims, blocks, bits, end_bytes: self.end_bytes, ends, levels, vacuum: None }
     }
 }
 

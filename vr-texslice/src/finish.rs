@@ -63,7 +63,7 @@ impl Finish<'_> {
         let threshold = self.volume.calibration().stored(threshold);
         let stored = |s: f64| {
             let at = self.index(rays, i, s);
-            self.compressed.map_or_else(|| self.volume.stored_at(at), |compressed| compressed.value_at(at))
+            self.compressed.map_or_else(|| self.volume.stored_at(at), |compressed| compressed.value_at(self.volume, at))
         };
         let (mut below, mut reached) = (rays.distance_at(i, state.other.0[i]), rays.distance_at(i, state.value.0[i]));
         // Where a ray enters, both are the same.

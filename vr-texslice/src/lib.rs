@@ -140,6 +140,7 @@ mod slices;
 mod store;
 mod study;
 mod tables;
+mod texel_cell;
 mod texture;
 mod texture_slicer;
 mod textures;

@@ -5,8 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use vr_core::optics::opacity_of_thickness;
 use vr_core::{
-    Control, DiscreteModel, Filter, GridVolume, IndexRay, Layer, Ray, Rays, RenderError, Scene, SegmentTerm, View,
-    Voxel,
+    Control, DiscreteModel, GridVolume, IndexRay, Layer, Ray, Rays, RenderError, Scene, SegmentTerm, View, Voxel,
 };
 use vr_kernels::tables::PreIntegrated;
 
@@ -16,6 +15,7 @@ use crate::gradients::ExactGradients;
 use crate::medium::GradientMedium;
 use crate::slices::{Slabs, Slices};
 use crate::tables::{segments, segments_of_rows};
+use crate::texel_cell::texel_cell;
 use crate::texture_slicer::TextureSlicer;
 
 /// The sum over slabs.
@@ -114,24 +114,18 @@ impl Along<'_> {
 
     fn stored(&self, s: f64) -> f64 {
         if let Some(compressed) = &self.model.compressed {
-            return compressed.value_at(self.index(s));
+            return compressed.value_at(self.volume, self.index(s));
         }
         self.volume.stored_at(self.index(s))
     }
 
     /// Linear between the eight texels around a distance, or the nearest of them.
     fn between_texels<const N: usize>(&self, s: f64, texel: impl Fn([usize; 3]) -> [f64; N]) -> [f64; N] {
-        let (at, dims) = (self.index(s), self.volume.dims());
-        if self.volume.vacuum_cells().is_some_and(|vacuum| vacuum.contains(at)) {
-            return [f64::NAN; N];
-        }
-        let cell: [usize; 3] = std::array::from_fn(|a| (at[a] as usize).min(dims[a] - 2));
-        let nearest = self.volume.filter() == Filter::Nearest;
-        let at = if nearest { at.map(|x| (x + 0.5).floor()) } else { at };
+        let Some((cell, fraction)) = texel_cell(self.volume, self.index(s)) else { return [f64::NAN; N] };
         let mut sum = [0.0; N];
         for corner in 0..8 {
             let high = |a: usize| corner >> a & 1;
-            let part = |a: usize| if high(a) == 1 { at[a] - cell[a] as f64 } else { 1.0 + cell[a] as f64 - at[a] };
+            let part = |a: usize| if high(a) == 1 { fraction[a] } else { 1.0 - fraction[a] };
             let value = texel(std::array::from_fn(|a| cell[a] + high(a)));
             (0..N).for_each(|c| sum[c] += part(0) * part(1) * part(2) * value[c]);
         }

@@ -77,8 +77,11 @@ impl<X: Texture> Sliced<X> {
         let Cells { cell, mut fraction } = self.turned_back(at);
         if self.nearest {
             // In the same cell: which is vacuum is asked of that, and fractions are exact, so that places half-way go up, as in f64.
-            let half = splat(simd, 0.5);
-            fraction = fraction.map(|t| pick(t.simd_ge(half), splat(simd, 1.0), splat(simd, 0.0)));
+            let (zero, half, one) = (splat(simd, 0.0), splat(simd, 0.5), splat(simd, 1.0));
+            // A loop, and not `map`: a closure that is not inlined loses its instructions.
+            for t in &mut fraction {
+                *t = pick(t.simd_ge(half), one, zero);
+            }
         }
         self.texture.read(simd, &Cells { cell, fraction }, stage)
     }
