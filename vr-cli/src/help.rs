@@ -29,7 +29,7 @@ const DRAWING: [&str; 10] =
     ["render", "compare", "bench", "report", "turntable", "animate", "presets", "scene", "ray", "physics"];
 
 /// Flags of the headings below that the short help shows; flags of other headings are all shown.
-const ESSENTIAL: [&str; 30] = [
+const ESSENTIAL: [&str; 31] = [
     "path",
     "phantom",
     "scene",
@@ -48,6 +48,7 @@ const ESSENTIAL: [&str; 30] = [
     "compositing",
     "renderer",
     "set",
+    "quality",
     "max_error",
     "target_rmse",
     "outputs",

@@ -53,7 +53,7 @@ pub fn run(args: &RerunArgs, console: Console, control: &Control) -> Result<(), 
     }
 
     // Draw, and compare with what was recorded and with what is in the file.
-    let none = RendererArgs { renderer: None, set: Vec::new(), max_error: None };
+    let none = RendererArgs { renderer: None, set: Vec::new(), quality: None, max_error: None };
     let drawn = draw(&none, &setup, console, control)?;
     let background = setup.scene.background;
     let annotations = Annotations::new(&setup, console)?;

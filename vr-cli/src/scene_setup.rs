@@ -15,7 +15,7 @@ use vr_io::{
 };
 use vr_mesh::Surface;
 
-use crate::args::{Fit, RendererArgs, ReplaceArgs, SceneArgs};
+use crate::args::{Fit, QUALITY, RendererArgs, ReplaceArgs, SceneArgs};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::inputs::Inputs;
@@ -237,6 +237,10 @@ impl Setup {
         if !is_own && !self.options.0.is_empty() {
             console.note(&format!("options of the scene file have no effect: they are for {own_name}, not {name}"));
         }
+        // A quality is an option, or an error bound; a flag of either kind overrides the scene file's bound.
+        let has_qualities = renderer.option_specs().iter().any(|option| option.key == QUALITY);
+        let overrides_bound = args.quality.is_some();
+        let args = &args.with_quality(name, has_qualities).map_err(Failure::usage)?;
         // Choose the error bound, which one source alone may set.
         let set = |key: &str| args.set.iter().any(|(k, _)| k == key);
         let bound_key = renderer.option_specs().into_iter().find(|option| option.promises).map(|option| option.key);
@@ -254,7 +258,7 @@ impl Setup {
                     format!("render.max_error and render.{key} bound the same error of {name}: leave one of them out");
                 return Err(complaint(false, message));
             }
-            (None, _) => self.max_error,
+            (None, _) => self.max_error.filter(|_| !overrides_bound),
         };
         // Set the options, and the bound.
         let options = renderers::with_flags(own, &args.set);

@@ -76,7 +76,7 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderE
             format!("compositing '{}' by the rule 'exact'", scene.compositing.name()),
         ));
     }
-    if scene.transfer.has_rows() && !matches!(caster.rule, Rule::Midpoint | Rule::Left) {
+    if scene.transfer.has_rows() && !matches!(caster.rule, Rule::Auto | Rule::Midpoint | Rule::Left) {
         let rule = caster.rule.name();
         let what = format!("a transfer function by gradient by the rule '{rule}', which integrates over values alone");
         return Err(unsupported(Feature::GradientOpacity, what));
@@ -133,9 +133,11 @@ fn check_colors(caster: &RayCaster) -> Result<(), RenderError> {
     }
     let plain = matches!(caster.step, Step::Uniform(_) | Step::Local { .. })
         && caster.traversal == Traversal::Samples
-        && matches!(caster.rule, Rule::Midpoint | Rule::Left)
-        && (matches!(caster.image_sampling, ImageSampling::EveryPixel | ImageSampling::Adaptive { .. })
-            || !caster.image_sampling.casts_pixels());
+        && matches!(caster.rule, Rule::Auto | Rule::Midpoint | Rule::Left)
+        && (matches!(
+            caster.image_sampling,
+            ImageSampling::Auto | ImageSampling::EveryPixel | ImageSampling::Adaptive { .. }
+        ) || !caster.image_sampling.casts_pixels());
     if !plain {
         let what = "voxels with colours but in uniform or local steps by the rule midpoint or left, which sample a step at one place";
         return Err(unsupported(Feature::Setting, what));
@@ -152,9 +154,12 @@ fn check_field(caster: &RayCaster, scene: &Scene) -> Result<(), RenderError> {
     let follows = matches!(caster.step, Step::Local { .. }) && knows_ranges(&scene.volume);
     let plain = (matches!(caster.step, Step::Uniform(_)) || follows)
         && caster.traversal == Traversal::Samples
-        && matches!(caster.rule, Rule::Midpoint | Rule::Left)
+        && matches!(caster.rule, Rule::Auto | Rule::Midpoint | Rule::Left)
         && !caster.empty_space.is_named()
-        && matches!(caster.image_sampling, ImageSampling::EveryPixel | ImageSampling::Adaptive { .. });
+        && matches!(
+            caster.image_sampling,
+            ImageSampling::Auto | ImageSampling::EveryPixel | ImageSampling::Adaptive { .. }
+        );
     if !plain {
         let what = format!(
             "volumes of the kind '{kind}' but in {} steps by the rule midpoint or left: no more is known of them between samples",
@@ -189,7 +194,7 @@ pub(crate) fn check_view(caster: &RayCaster, view: &View) -> Result<(), RenderEr
 #[cfg_attr(not(feature = "classics"), expect(unused_variables, reason = "these screens draw every scene"))]
 fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String> {
     let what = match caster.image_sampling {
-        ImageSampling::EveryPixel => None,
+        ImageSampling::Auto | ImageSampling::EveryPixel => None,
         // A bound for each pixel is none for what lies between them.
         ImageSampling::Adaptive { .. } => {
             matches!(caster.step, Step::ErrorBound(_)).then_some("a promised error".to_owned())

@@ -2,7 +2,7 @@
 
 use vr_core::{DocumentedError, Filter, HardCaseErrors};
 
-use crate::caster::{ImageSampling, RayCaster, Step};
+use crate::caster::{ImageSampling, RayCaster, Rule, Step};
 
 /// Longest uniform steps of which every error is documented; shorter ones are no worse.
 const FINE: f64 = 0.2;
@@ -51,11 +51,19 @@ impl RayCaster {
             transfer_lookup: plain.transfer_lookup,
             vector: plain.vector,
             filter: self.filter.filter(|&f| f != Filter::Trilinear),
+            rule: if self.rule == Rule::Midpoint { Rule::Auto } else { self.rule },
+            // The pictures of the hard cases are too small for any but the rays of every pixel.
+            image_sampling: match self.image_sampling {
+                ImageSampling::EveryPixel => ImageSampling::Auto,
+                other => other,
+            },
             ..self.clone()
         };
         let midpoint = comparable == plain;
         let by_case = match self.step {
-            Step::ErrorBound(error) if self.image_sampling == ImageSampling::EveryPixel => {
+            Step::ErrorBound(error)
+                if matches!(self.image_sampling, ImageSampling::Auto | ImageSampling::EveryPixel) =>
+            {
                 return HardCaseErrors { otherwise: Some(error.into()), ..HardCaseErrors::default() };
             }
             Step::Uniform(step) if midpoint && step <= FINE => ERRORS.map(|(case, fine, _)| (case, fine)),

@@ -13,7 +13,8 @@
 //!    ([`vr_core::turning`]).
 //! 6. **Composite** with the scene's operator.
 //!
-//! The rays are a choice, too ([`ImageSampling`]): those of every pixel, or fewer.
+//! The rays are a choice, too ([`ImageSampling`]): those of every pixel, or fewer where the picture bends little. Steps, rays and rule are chosen by the scene
+//! unless they are set, for the error of a [`Quality`].
 //!
 //! Two engines do this. The *plain* one takes every scene and setting but an error bound: samples go through the passes in runs of 32, each pass generic
 //! code, instantiated for what it depends on and chosen once a run. The *vector* one ([`Vector`]) takes rays in packets of sixteen with
@@ -69,7 +70,7 @@
 //! them; its floor is that of a frame, which holds f32.
 //!
 //! A feature between two samples is missed: a shell thinner than a step, a crossing there and back. The largest errors on the hard
-//! cases of `vr-physics`, by default ([`Step::Local`], aimed at an RMSE of [`Step::ERROR`]) and in uniform steps of ⅕:
+//! cases of `vr-physics`, by default ([`Step::Local`], aimed at an RMSE of [`Step::ERROR`], by [`Rule::Quadratic`] where the transfer function is sharp) and in uniform steps of ⅕:
 //!
 //! | case | default | steps of ⅕ | why |
 //! |---|---|---|---|
@@ -140,11 +141,13 @@ mod source;
 mod step_map;
 mod study;
 mod table_range;
+mod thin_parts;
 mod tracer;
 mod walk;
 
 pub use caster::{
-    CompositingOrder, EmptySpace, ImageSampling, Precision, RayCaster, Rule, Step, TransferLookup, Traversal, Vector,
+    CompositingOrder, EmptySpace, ImageSampling, Precision, Quality, RayCaster, Rule, Step, TransferLookup, Traversal,
+    Vector,
 };
 #[cfg(feature = "classics")]
 pub use classics::Connectivity;

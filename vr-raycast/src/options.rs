@@ -3,7 +3,8 @@
 use vr_core::{Configurable, DeclaredOption, Filter, MIN_MAX_ERROR, NumberRange, OptionTable};
 
 use crate::caster::{
-    CompositingOrder, EmptySpace, ImageSampling, Precision, RayCaster, Rule, Step, TransferLookup, Traversal, Vector,
+    CompositingOrder, EmptySpace, ImageSampling, Precision, Quality, RayCaster, Rule, Step, TransferLookup, Traversal,
+    Vector,
 };
 #[cfg(feature = "classics")]
 use crate::classics::options as classics;
@@ -112,11 +113,19 @@ fn step_options() -> [DeclaredOption<RayCaster>; 4] {
 }
 
 /// Returns all options but those of steps.
-fn other_options() -> [DeclaredOption<RayCaster>; 11] {
-    let rules = [Rule::Midpoint, Rule::Left, Rule::Linear, Rule::Quadratic, Rule::Exact];
-    let screens = [ImageSampling::EveryPixel, ADAPTIVE];
+fn other_options() -> [DeclaredOption<RayCaster>; 12] {
+    let rules = [Rule::Auto, Rule::Midpoint, Rule::Left, Rule::Linear, Rule::Quadratic, Rule::Exact];
+    let screens = [ImageSampling::Auto, ImageSampling::EveryPixel, ADAPTIVE];
     let filters = Filter::ALL.map(|filter| (filter.name(), Some(filter)));
     [
+        DeclaredOption::<RayCaster>::choice(
+            "quality",
+            "RMSE of the picture that automatic steps and rays aim at: draft 0.004 (a level of 8 bits), normal 0.001 (as much as rounding to 8 bits adds), fine 0.00025; where steps are uniform, their length: 0.5, 0.2, 0.1",
+            Quality::ALL.map(|quality| (quality.name(), quality)),
+            |c| c.quality,
+            |c, quality| c.quality = quality,
+        )
+        .refuse("steps are given: needs steps=auto", |c| c.quality != Quality::default() && c.step != Step::Auto),
         DeclaredOption::<RayCaster>::choice(
             "leaping",
             "how rays find out where nothing is visible; changes no pixel. All but auto go with uniform steps, and all but auto and none with the plain engine",
@@ -141,7 +150,7 @@ fn other_options() -> [DeclaredOption<RayCaster>; 11] {
         }),
         DeclaredOption::<RayCaster>::choice(
             "rule",
-            "how the light of a step is found: midpoint and linear have order 2, quadratic has 4, left has 1; exact needs traversal=cells. Operators that look at values take midpoint or left",
+            "how the light of a step is found: midpoint and linear have order 2, quadratic has 4, left has 1; exact needs traversal=cells; auto, quadratic in local steps where the transfer function jumps or has thin peaks, else midpoint. Operators that look at values take midpoint or left",
             rules.map(|rule| (rule.name(), rule)),
             |c| c.rule,
             |c, rule| c.rule = rule,
@@ -216,7 +225,7 @@ fn other_options() -> [DeclaredOption<RayCaster>; 11] {
         ),
         DeclaredOption::choice(
             "screen",
-            "rays that are cast: all, those where colours bend, those from where the last view saw something, or those of a template",
+            "rays that are cast: all, those where colours bend, those from where the last view saw something, or those of a template; auto, where colours bend if steps are local and the picture has 65536 pixels or more, else all",
             screens.into_iter().chain(classics::SCREENS).map(|screen| (screen.name(), screen)),
             |c: &RayCaster| if let ImageSampling::Adaptive { .. } = c.image_sampling { ADAPTIVE } else { c.image_sampling },
             |c, screen| c.image_sampling = screen,

@@ -19,6 +19,7 @@ use crate::render_tables::{RenderTables, TablesByPrecision};
 use crate::screen;
 use crate::source::Source;
 use crate::step_map::SHORTEST;
+use crate::thin_parts::ThinParts;
 use crate::tracer::Tracer;
 use crate::walk::{WalkKind, Walks};
 
@@ -34,6 +35,8 @@ pub(crate) struct PreparedCaster {
     /// Filter of the caster, where it is not the scene's.
     filtered: Option<Filter>,
     pub(crate) engine: Engine,
+    /// Parts of a grid that adaptive rays may miss; found when the first picture asks for them.
+    thin_parts: Option<ThinParts>,
     /// State that the coherent screens keep from picture to picture.
     #[cfg(feature = "classics")]
     pub(crate) coherence: Option<crate::classics::Coherence>,
@@ -72,6 +75,7 @@ impl PreparedCaster {
             source,
             filtered,
             engine,
+            thin_parts: None,
         })
     }
 }
@@ -86,6 +90,7 @@ impl Prepared for PreparedCaster {
                 control.run(|| crate::classics::Coherence::of(&caster, &scene, source.grid()?, &self.engine));
         }
         (self.caster, self.scene, self.source, self.filtered) = (caster, scene, source, filtered);
+        self.thin_parts = None;
         Ok(())
     }
 
@@ -97,7 +102,12 @@ impl Prepared for PreparedCaster {
         if let Some(drawn) = self.draw_by_classic_screen((view, layer), control) {
             return drawn;
         }
-        screen::draw(self.caster.image_sampling, self.tracer((view, layer))?.as_ref(), (view, layer), control)
+        let threshold = self.caster.adaptive_threshold(view.size.map(u64::from).iter().product());
+        if let (Some(_), None, Some(volume)) = (threshold, &self.thin_parts, self.source.grid()) {
+            self.thin_parts = Some(control.run(|| ThinParts::new(&self.scene, volume)));
+        }
+        let rays = threshold.map(|threshold| (threshold, self.thin_parts.as_ref()));
+        screen::draw(rays, self.tracer((view, layer))?.as_ref(), (view, layer), control)
     }
 
     fn model(&self, _: &View) -> Result<Model, RenderError> {

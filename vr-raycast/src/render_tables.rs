@@ -11,7 +11,7 @@ use crate::classify::Classifier;
 use crate::leap::{Leaper, empty_space};
 use crate::rule::{ExactIntegral, Profile, Shape};
 use crate::shade::Shader;
-use crate::step_map::StepMap;
+use crate::step_map::{SharpValues, StepMap};
 use crate::table_range::{baked, field_range, single_precision_resolves};
 
 /// Tables in the precision that the scene needs.
@@ -94,12 +94,12 @@ impl TablesByPrecision {
 /// Returns the course of the value along a step of a caster; `None` where one sample stands for steps of one length.
 fn shape(caster: &RayCaster) -> Option<Shape> {
     match (caster.rule, caster.traversal) {
-        (Rule::Midpoint | Rule::Left, Traversal::Samples)
+        (Rule::Auto | Rule::Midpoint | Rule::Left, Traversal::Samples)
             if caster.step.is_on_lattice() && !caster.ends_steps_at_faces() =>
         {
             None
         }
-        (Rule::Midpoint | Rule::Left, _) => Some(Shape::Point),
+        (Rule::Auto | Rule::Midpoint | Rule::Left, _) => Some(Shape::Point),
         (Rule::Linear, _) => Some(Shape::Line),
         (Rule::Quadratic, _) => Some(Shape::Parabola),
         (Rule::Exact, _) => Some(Shape::Cubic),
@@ -114,6 +114,11 @@ fn preintegrated<R: Real>(scene: &Scene, volume: &GridVolume) -> Option<Arc<PreI
     let small = table(PreIntegrated::<R>::ENTRIES);
     let table = if small.is_aligned() { small } else { table(4 * PreIntegrated::<R>::ENTRIES) };
     table.resolves().then(|| Arc::new(table))
+}
+
+/// Returns the sharp changes of a scene's transfer function among the values of a grid; `None` where it has no values.
+pub(crate) fn sharp_values(scene: &Scene, volume: &GridVolume) -> Option<SharpValues> {
+    Some(SharpValues::of(scene, volume.value_range()?, volume.placement().spacing().min_element()))
 }
 
 /// True if the same part of the field is visible in both scenes.
@@ -160,7 +165,9 @@ impl<R: Real> RenderTables<R> {
         let step_map = |error: f64| {
             last.and_then(|i| i.step_map.clone()).unwrap_or_else(|| {
                 let (levels, voxel) = (LevelRanges::of_volume(volume), volume.placement().spacing().min_element());
-                let map = StepMap::new(&levels, scene, volume.calibration(), voxel, error);
+                // By parabolas alone: straight lines need the short steps in which a field is one.
+                let integrated = (caster.rule == Rule::Quadratic).then(|| sharp_values(scene, volume)).flatten();
+                let map = StepMap::new(&levels, (scene, integrated), volume.calibration(), voxel, error);
                 Arc::new(map)
             })
         };

@@ -25,8 +25,9 @@ impl Documented for RayCaster {
         };
         let mut all = uniform(Rule::Midpoint, &[4.0, 2.0, 1.0, 0.5, 0.2, 0.1]);
 
-        let local = |error| Self { step: Step::Local { error }, ..Self::default() };
-        all.extend([2e-2, 6e-3, 2e-3, 5e-4, 1e-4].map(|e| named(format!("local {e}"), &local(e))));
+        let local =
+            |error| Self { step: Step::Local { error }, image_sampling: ImageSampling::EveryPixel, ..Self::default() };
+        all.extend([2e-2, 6e-3, 2e-3, 1e-3, 5e-4, 1e-4].map(|e| named(format!("local {e}"), &local(e))));
         let adaptive = |caster, threshold| Self { image_sampling: ImageSampling::Adaptive { threshold }, ..caster };
         all.extend([(2e-2, 0.3), (6e-3, 0.16), (2e-3, 0.08), (5e-4, 0.05)].map(|(error, threshold)| {
             named(format!("local {error} adaptive {threshold}"), &adaptive(local(error), threshold))
@@ -85,7 +86,7 @@ fn orders(caster: &RayCaster) -> ConvergenceOrders {
         // A field that jumps, as the nearest sample's does, leaves order 1 to every rule.
         _ if caster.filter == Some(Filter::Nearest) => (1.0, 1.0),
         (Rule::Left, _) => (1.0, 1.0),
-        (Rule::Midpoint, _) => (2.0, 1.0),
+        (Rule::Auto | Rule::Midpoint, _) => (2.0, 1.0),
         (Rule::Quadratic, Traversal::Cells) => (4.0, 3.0),
         // The kinks of a trilinear field at cell faces leave no rule a higher order.
         (Rule::Linear | Rule::Quadratic | Rule::Exact, _) => (2.0, 2.0),

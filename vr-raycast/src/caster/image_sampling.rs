@@ -3,16 +3,19 @@
 /// Choice of the rays that a picture is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ImageSampling {
-    /// The rays of every pixel.
+    /// Default: [`ImageSampling::Adaptive`] where steps are local and the picture has [`ImageSampling::LARGE`] pixels or more, with a threshold of
+    /// [`ImageSampling::THRESHOLD_PER_ERROR`] times the error that the steps aim at; [`ImageSampling::EveryPixel`] elsewhere.
     #[default]
+    Auto,
+    /// The rays of every pixel.
     EveryPixel,
-    /// Rays of every fourth pixel along x and y, then of those between where the colours bend; the rest is interpolated by cubics (after Levoy,
-    /// *Volume rendering by adaptive refinement*, 1990). Not exact: see `docs/figures/vr-raycast.md` for what was measured.
+    /// Rays of every fourth pixel along x and y, then of those between where the colours bend or something thin shows; the rest is interpolated by cubics
+    /// (after Levoy, *Volume rendering by adaptive refinement*, 1990). Not exact: see `docs/figures/vr-raycast.md` for what was measured.
     Adaptive {
         /// Largest distance of a component of the premultiplied colours from the straight lines through its neighbours' along x and y (the sum of
         /// both second differences), 0 or more, at which nothing is refined; 0: every pixel is traced. Where features are wider than four
-        /// pixels, the largest error of the interpolation is below it, and its RMSE a twentieth; what is thinner may be missed, whatever it
-        /// is.
+        /// pixels, the largest error of the interpolation is below it, and its RMSE a twentieth. Of what is thinner, lines and rims are followed where a ray
+        /// meets them, and needles and dots of grids are looked for beforehand.
         threshold: f64,
     },
     /// Rays of every pixel, each begun where its part of the view can show something first. That is projected for each view from what
@@ -38,9 +41,17 @@ pub enum ImageSampling {
 }
 
 impl ImageSampling {
+    /// Number of pixels from which on automatic rays are adaptive. In smaller pictures most of what there is to see is a few pixels wide, and rays take little
+    /// time beside what a scene needs to be prepared.
+    pub const LARGE: u64 = 1 << 16;
+    /// Threshold of automatic adaptive rays in units of the error that the steps aim at: interpolation then adds about as much as the steps do (see
+    /// `docs/notes/vr-raycast.md`).
+    pub const THRESHOLD_PER_ERROR: f64 = 40.0;
+
     /// Returns the name that options use.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Auto => "auto",
             Self::EveryPixel => "every-pixel",
             Self::Adaptive { .. } => "adaptive",
             #[cfg(feature = "classics")]

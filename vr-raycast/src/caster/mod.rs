@@ -4,6 +4,7 @@ mod compositing_order;
 mod empty_space;
 mod image_sampling;
 mod kernel;
+mod quality;
 mod rule;
 mod step;
 mod traversal;
@@ -11,11 +12,13 @@ mod traversal;
 use vr_core::{Filter, Placement, Scene, Volume};
 
 use crate::pace::cells_of_parts;
+use crate::render_tables::sharp_values;
 
 pub use compositing_order::CompositingOrder;
 pub use empty_space::EmptySpace;
 pub use image_sampling::ImageSampling;
 pub use kernel::{Precision, TransferLookup, Vector};
+pub use quality::Quality;
 pub use rule::Rule;
 pub use step::Step;
 pub use traversal::Traversal;
@@ -32,6 +35,8 @@ pub use traversal::Traversal;
 pub struct RayCaster {
     /// Length of the steps.
     pub step: Step,
+    /// Error that automatic steps aim at.
+    pub quality: Quality,
     /// Kind of the steps of a ray.
     pub traversal: Traversal,
     /// Structure by which rays leap over empty space.
@@ -79,17 +84,34 @@ impl RayCaster {
         self.filter.map_or_else(|| scene.clone(), |filter| scene.with_filter(filter))
     }
 
-    /// Returns the caster that draws a scene: [`Step::Auto`] is replaced by the steps that it means there. Local steps follow what is known of the ranges of values.
+    /// Returns the caster that draws a scene: [`Step::Auto`] and [`Rule::Auto`] are replaced by what they mean there. Local steps follow what is known of the
+    /// ranges of values.
     pub(crate) fn settled_for(&self, scene: &Scene) -> Self {
         let step = match (self.step, self.traversal) {
             (Step::Auto, _) if self.takes_whole_parts() => Step::Auto,
             (Step::Auto, _) if !self.follows_light(scene) || !knows_ranges(&scene.volume) => {
-                Step::Uniform(Step::OTHERWISE)
+                Step::Uniform(self.quality.step())
             }
-            (Step::Auto, Traversal::Samples) => Step::Local { error: Step::ERROR },
+            (Step::Auto, Traversal::Samples) => Step::Local { error: self.quality.error() },
             (step, _) => step,
         };
-        Self { step, ..self.clone() }
+        let rule = match (self.rule, step) {
+            // A promised error has rules of its own.
+            (Rule::Auto, Step::ErrorBound(_)) => Rule::Auto,
+            (Rule::Auto, Step::Local { .. }) if self.is_sharp(scene) => Rule::Quadratic,
+            (Rule::Auto, _) => Rule::Midpoint,
+            (rule, _) => rule,
+        };
+        // The steps have the quality now.
+        Self { step, rule, quality: Quality::default(), ..self.clone() }
+    }
+
+    /// True if a scene's transfer function changes too fast for single samples, and parabolas can follow the field.
+    fn is_sharp(&self, scene: &Scene) -> bool {
+        let Some(volume) = scene.volume.value_grid() else { return false };
+        let filter = self.filter.unwrap_or(volume.filter());
+        let integrates = scene.volume.colors().is_none() && !scene.transfer.has_rows() && filter.is_continuous();
+        integrates && sharp_values(scene, volume).is_some_and(|sharp| !sharp.is_empty())
     }
 
     /// True if every step is one voxel, or one cell that need not be cut.
@@ -113,6 +135,17 @@ impl RayCaster {
             return true;
         }
         self.traversal == Traversal::Cells
+    }
+
+    /// Returns the threshold of adaptive rays in a picture of so many pixels; `None` where every pixel has its own. The caster is settled.
+    pub(crate) fn adaptive_threshold(&self, pixels: u64) -> Option<f64> {
+        match (self.image_sampling, self.step) {
+            (ImageSampling::Adaptive { threshold }, _) => Some(threshold),
+            (ImageSampling::Auto, Step::Local { error }) if pixels >= ImageSampling::LARGE => {
+                Some(error * ImageSampling::THRESHOLD_PER_ERROR)
+            }
+            _ => None,
+        }
     }
 
     /// Returns the world length of a step.

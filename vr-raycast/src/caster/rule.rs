@@ -9,8 +9,11 @@ use vr_core::Filter;
 /// square of its length under any rule: [`Traversal::Cells`](super::Traversal::Cells) ends steps there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rule {
-    /// Midpoint rule, by the value in the middle of the step: order 2, and 1 at jumps of the transfer function.
+    /// Default for the scene: [`Rule::Quadratic`] in local steps through grids with a continuous filter where the transfer function jumps, or rises and falls within
+    /// a 64th of the volume's range of values; [`Rule::Midpoint`] elsewhere.
     #[default]
+    Auto,
+    /// Midpoint rule, by the value in the middle of the step: order 2, and 1 at jumps of the transfer function.
     Midpoint,
     /// Left rectangles, by the value where the ray enters the step: order 1. For study, not for use.
     Left,
@@ -29,6 +32,7 @@ impl Rule {
     /// Returns the name that options use.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Auto => "auto",
             Self::Midpoint => "midpoint",
             Self::Left => "left",
             Self::Linear => "linear",
@@ -40,7 +44,7 @@ impl Rule {
     /// True if the rule makes sense for a filter's field: where the field jumps, the values between two samples are not on the ray.
     pub(crate) fn goes_with(self, filter: Filter) -> bool {
         match self {
-            Self::Midpoint | Self::Left => true,
+            Self::Auto | Self::Midpoint | Self::Left => true,
             Self::Linear | Self::Quadratic => filter.is_continuous(),
             Self::Exact => filter == Filter::Trilinear,
         }

@@ -3,8 +3,8 @@
 /// Length of the steps of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Step {
-    /// Default for the scene: [`Step::Local`] with [`Step::ERROR`] where light is followed along a ray, front to back; [`Step::Uniform`] with
-    /// [`Step::OTHERWISE`] elsewhere; whole cells or voxels where the [`Traversal`](super::Traversal) says so.
+    /// Default for the scene: [`Step::Local`] with the error of a [`Quality`](super::Quality) where light is followed along a ray, front to back; [`Step::Uniform`]
+    /// elsewhere; whole cells or voxels where the [`Traversal`](super::Traversal) says so.
     #[default]
     Auto,
     /// Steps of one length everywhere: a fraction of the smallest voxel edge, in world distance whatever the spacing. The last step of a ray is
@@ -77,7 +77,7 @@ impl Step {
     /// Length of uniform steps, as a fraction of the smallest voxel edge, where local ones have nothing to follow.
     pub const OTHERWISE: f64 = 0.2;
     /// RMSE that local steps aim at by default; `docs/notes/vr-raycast.md` says how it was chosen.
-    pub const ERROR: f64 = 5e-4;
+    pub const ERROR: f64 = 1e-3;
 
     /// Returns the length of steps, as a fraction of the smallest voxel edge, where all have the same; `None` for other steps.
     pub(crate) fn length(mut self) -> Option<f64> {

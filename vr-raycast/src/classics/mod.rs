@@ -194,7 +194,7 @@ pub(crate) fn beyond_steps(caster: &RayCaster, scene: &Scene) -> Option<(Feature
         None
     } else if !scene.compositing.integrates_light() {
         Some((Feature::Setting, "homogeneous steps under operators that gather no light, of which their bound is"))
-    } else if caster.rule != Rule::Midpoint {
+    } else if !matches!(caster.rule, Rule::Auto | Rule::Midpoint) {
         Some((Feature::Setting, "homogeneous steps by another rule than the midpoint's"))
     } else if cuts && scene.transfer.has_emission() {
         let what = "homogeneous steps under accumulate of an emission of its own, which shines where opacity hardly changes: no bound is known of where it is cut";
@@ -213,7 +213,7 @@ pub(crate) fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String>
     let uneven = !matches!(caster.step, Step::Uniform(_)) || caster.traversal != Traversal::Samples;
     let uneven = uneven.then_some("steps that are not all of one length (set a step, in voxels)".to_owned());
     let found = match caster.image_sampling {
-        ImageSampling::EveryPixel | ImageSampling::Adaptive { .. } => vec![],
+        ImageSampling::Auto | ImageSampling::EveryPixel | ImageSampling::Adaptive { .. } => vec![],
         ImageSampling::Coherent | ImageSampling::CBuffer => vec![
             (!scene.compositing.integrates_light() && !matches!(scene.compositing, Compositing::First { .. }))
                 .then(|| format!("{compositing}, which depends on what cannot be seen, too,")),
@@ -235,7 +235,7 @@ pub(crate) fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String>
                 (caster.traversal != Traversal::Samples).then_some(
                     "a traversal of each ray's own (template-faces goes from cell to cell, template-discrete from voxel to voxel)".to_owned(),
                 ),
-                (is_discrete && caster.rule != Rule::Midpoint).then(|| {
+                (is_discrete && !matches!(caster.rule, Rule::Auto | Rule::Midpoint)).then(|| {
                     format!("the rule '{}', where a voxel stands for all of a step (must be midpoint)", caster.rule.name())
                 }),
                 (is_discrete && leaps).then_some("a way of leaping, which looks along rays, where voxels lie beside them".to_owned()),

@@ -78,7 +78,7 @@ pub(crate) fn step_options() -> [DeclaredOption<RayCaster>; 3] {
 
 /// True if a ray walks from voxel to voxel under a rule that has no meaning there.
 pub(crate) fn is_rule_beyond_voxels(caster: &RayCaster) -> bool {
-    caster.traversal == Traversal::Voxels && caster.rule != Rule::Midpoint
+    caster.traversal == Traversal::Voxels && !matches!(caster.rule, Rule::Auto | Rule::Midpoint)
 }
 
 /// Returns the named casters of a study.

@@ -166,7 +166,7 @@ impl PacketEngine {
             return None;
         }
         let offset = match caster.rule {
-            Rule::Midpoint => 0.5,
+            Rule::Auto | Rule::Midpoint => 0.5,
             // Samples lie at the begin of a step, and some further on.
             Rule::Left | Rule::Linear | Rule::Quadratic => 0.0,
             Rule::Exact => return None,

@@ -9,20 +9,20 @@ pub(crate) use every_pixel::{by_tiles, spots_of_pixel};
 
 use vr_core::{Control, Layer, RenderError, Rendered, View};
 
-use crate::caster::ImageSampling;
+use crate::thin_parts::ThinParts;
 use crate::tracer::Tracer;
 use adaptive::adaptive;
 use every_pixel::every_pixel;
 
-/// Draws a view by the rays that an image sampling chooses, whatever traces them.
+/// Draws a view by adaptive rays of a threshold, with what is thinner than their distance; without, by those of every pixel, whatever traces them.
 pub(crate) fn draw(
-    screen: ImageSampling,
+    adaptive_rays: Option<(f64, Option<&ThinParts>)>,
     tracer: &dyn Tracer,
     (view, layer): (&View, Option<&Layer>),
     control: &Control,
 ) -> Result<Rendered, RenderError> {
-    match screen {
-        ImageSampling::Adaptive { threshold } => adaptive(tracer, (view, layer), threshold, control),
-        _ => every_pixel(tracer, view, control),
+    match adaptive_rays {
+        Some(rays) => adaptive(tracer, (view, layer), rays, control),
+        None => every_pixel(tracer, view, control),
     }
 }

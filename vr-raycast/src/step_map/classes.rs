@@ -4,14 +4,22 @@ use vr_core::transfer::Optical;
 use vr_core::{Calibration, Scene, TransferFunction};
 use vr_kernels::ranges::LevelRanges;
 
+use crate::caster::Step;
+
 use super::features::Features;
+use super::sharp::SharpValues;
 use super::{CLASSES, CLEAR, LONGEST, SHORTEST, StepMap};
 
 /// Error per unit length that is allowed for an error of 1 in the picture: calibrated on ten scenes, opaque and translucent, so that their
 /// RMSE is the error asked for or less.
-pub(super) const RATE: f64 = 5.0;
+pub(super) const RATE: f64 = 7.5;
 /// Change of optical depth, per voxel, beyond which light is saturated and its error grows no more.
 const SATURATION: f64 = 0.64;
+
+/// Length in voxels of the longest step through a sharp change along which the value is taken for a parabola, for an error of [`Step::ERROR`]: the field's
+/// kinks at the faces of cells, which no parabola has, move the place of the change by the square of the step. Measured on shells and on a CT head with a jump
+/// (`docs/notes/vr-raycast.md`).
+const LONGEST_PARABOLA: f64 = 0.25;
 
 /// Returns the length of the steps of a class, in voxels.
 pub(super) fn step_of(class: usize) -> f64 {
@@ -87,12 +95,14 @@ pub(super) struct LevelVariations {
     at: Vec<Variation>,
     between: Vec<Variation>,
     features: Features,
+    /// Sharp changes, where steps integrate all values between their ends, whatever the transfer function does there.
+    integrated: Option<SharpValues>,
     shaded: bool,
 }
 
 impl LevelVariations {
-    /// Looks at a scene's transfer function between levels of these values.
-    pub(super) fn new(scene: &Scene, value: impl Fn(usize) -> f64) -> Self {
+    /// Looks at a scene's transfer function between levels of these values; at the sharp changes in it where steps integrate all values between their ends.
+    pub(super) fn new(scene: &Scene, integrated: Option<SharpValues>, value: impl Fn(usize) -> f64) -> Self {
         // What one row shows and another does not comes and goes with the gradient, as shaded light does.
         let rows: Vec<&TransferFunction> = match scene.transfer.rows() {
             [] => vec![&scene.transfer],
@@ -121,7 +131,7 @@ impl LevelVariations {
         };
         let features = Features::new(&rows.iter().map(points).collect::<Vec<_>>());
         let at = values.iter().map(|&value| at(value)).collect();
-        Self { between: values.windows(2).map(between).collect(), at, values, features, shaded }
+        Self { between: values.windows(2).map(between).collect(), at, values, features, integrated, shaded }
     }
 
     /// Calls `each` with every range of levels, lower and upper, and the largest variation of extinction and emission over it; `None` where there is
@@ -151,6 +161,10 @@ impl LevelVariations {
         let change = (variation * voxel * (StepMap::EDGE as f64 / edge)).min(SATURATION);
         let voxels = if change > 0.0 { StepMap::EDGE as f64 * libm::sqrt(RATE * error / change) } else { LONGEST };
         let (a, b) = (self.values[low], self.values[high]);
+        if let Some(sharp) = &self.integrated {
+            let is_sharp = sharp.lie_within([a.min(b), a.max(b)]);
+            return if is_sharp { voxels.min(LONGEST_PARABOLA * libm::sqrt(error / Step::ERROR)) } else { voxels };
+        }
         // In a larger block the field may cross its range in a part of it.
         let crossed = edge.min(StepMap::EDGE as f64);
         self.features.longest_step([a.min(b), a.max(b)], voxels, (voxel, crossed), error)
@@ -158,8 +172,14 @@ impl LevelVariations {
 }
 
 impl Classes {
-    pub(super) fn new(levels: &LevelRanges, scene: &Scene, calibration: Calibration, voxel: f64, error: f64) -> Self {
-        let variations = LevelVariations::new(scene, |level| calibration.value(levels.stored(level as u8)));
+    pub(super) fn new(
+        levels: &LevelRanges,
+        (scene, integrated): (&Scene, Option<SharpValues>),
+        calibration: Calibration,
+        voxel: f64,
+        error: f64,
+    ) -> Self {
+        let variations = LevelVariations::new(scene, integrated, |level| calibration.value(levels.stored(level as u8)));
         // An empty range (all vacuum) is clear.
         let mut table = vec![CLEAR; LEVELS * LEVELS];
         variations.each_range(|low, high, variation| {
@@ -176,7 +196,7 @@ impl Classes {
 }
 
 /// Returns κ, and q of red, green and blue.
-fn optics(transfer: &TransferFunction, at: &Optical) -> [f64; 4] {
+pub(super) fn optics(transfer: &TransferFunction, at: &Optical) -> [f64; 4] {
     let kappa = transfer.extinction(at.opacity);
     // κ·c with κ = ∞ and c = 0 would be NaN: an opaque wall that shines nowhere.
     let q = |c: usize| match () {

@@ -3,8 +3,10 @@
 mod classes;
 mod features;
 mod range_steps;
+mod sharp;
 
 pub(crate) use range_steps::RangeSteps;
+pub(crate) use sharp::SharpValues;
 
 use std::sync::Arc;
 
@@ -91,9 +93,16 @@ impl StepMap {
     /// Cells along the edge of a block.
     pub(crate) const EDGE: usize = LevelRanges::EDGE;
 
-    /// Makes the map of a scene for an error of the picture to aim at. `voxel` is the world length of the smallest voxel edge.
-    pub(crate) fn new(levels: &LevelRanges, scene: &Scene, calibration: Calibration, voxel: f64, error: f64) -> Self {
-        let by_range = Classes::new(levels, scene, calibration, voxel, error);
+    /// Makes the map of a scene for an error of the picture to aim at. `voxel` is the world length of the smallest voxel edge; `integrated` are the sharp changes
+    /// of the transfer function where steps integrate all values of a parabola between their ends, and need not be short for thin peaks.
+    pub(crate) fn new(
+        levels: &LevelRanges,
+        (scene, integrated): (&Scene, Option<SharpValues>),
+        calibration: Calibration,
+        voxel: f64,
+        error: f64,
+    ) -> Self {
+        let by_range = Classes::new(levels, (scene, integrated), calibration, voxel, error);
         let blocks = levels.blocks();
         let mut bytes: Vec<u8> = collect(levels.ranges().len(), |i| by_range.of(levels.ranges()[i]));
         let mut distances: Vec<u8> = bytes.iter().map(|&b| if b == CLEAR { u8::MAX } else { 0 }).collect();
@@ -253,7 +262,7 @@ mod tests {
         let points = vec![ControlPoint::new(100.0, [1.0; 3], 0.0), ControlPoint::new(200.0, [1.0; 3], 0.5)];
         let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
         let levels = LevelRanges::of_volume(volume.grid().unwrap());
-        StepMap::new(&levels, &Scene::new(volume, transfer), Calibration::default(), 1.0, error)
+        StepMap::new(&levels, (&Scene::new(volume, transfer), None), Calibration::default(), 1.0, error)
     }
 
     #[test]
@@ -309,7 +318,7 @@ mod tests {
         let map = |filter| {
             let scene = scene.with_filter(filter);
             let levels = LevelRanges::of_volume(scene.volume.grid().unwrap());
-            StepMap::new(&levels, &scene, Calibration::default(), 1.0, 1e-3)
+            StepMap::new(&levels, (&scene, None), Calibration::default(), 1.0, 1e-3)
         };
         // The missing sheet lies in the middle of block 4.
         for x in 0..9usize {

@@ -26,7 +26,7 @@ impl RangeSteps {
     pub(crate) fn new(scene: &Scene, (low, high): (f64, f64), error: f64) -> Self {
         let last = (LEVELS - 1) as f64;
         let span = if high > low { high - low } else { 1.0 };
-        let variations = LevelVariations::new(scene, |level| low + span * (level as f64 / last));
+        let variations = LevelVariations::new(scene, None, |level| low + span * (level as f64 / last));
         let mut table = vec![-1.0; LEVELS * LEVELS];
         variations.each_range(|low, high, variation| {
             table[low * LEVELS + high] = variation.map_or(-1.0, |variation| variation as f32);

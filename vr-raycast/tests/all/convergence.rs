@@ -1,7 +1,6 @@
 //! Tests how the error against the reference falls with the step: fitted orders, the default step on the phantoms, and the floor of f32.
 
 use crate::common::*;
-use vr_core::phantom;
 use vr_core::*;
 use vr_raycast::{CompositingOrder, Precision, RayCaster, Rule, Step, TransferLookup};
 
@@ -15,13 +14,6 @@ fn smooth() -> Volume {
 fn gentle() -> TransferFunction {
     let points = [ControlPoint::new(0.0, [0.2, 0.9, 0.1], 0.02), ControlPoint::new(1.0, [1.0, 0.1, 0.6], 0.20)];
     TransferFunction::new(points.to_vec(), OpacityRule::Extinction, 1.0).unwrap()
-}
-
-/// Root mean square of the difference over all components: averaged over rays, it falls evenly.
-fn rms(a: &Frame, b: &Frame) -> f64 {
-    let pairs = a.pixels().iter().flatten().zip(b.pixels().iter().flatten());
-    let sum: f64 = pairs.map(|(&a, &b)| (f64::from(a) - f64::from(b)).powi(2)).sum();
-    (sum / (4.0 * a.pixels().len() as f64)).sqrt()
 }
 
 fn listed(errors: &[f64]) -> String {
@@ -72,19 +64,6 @@ fn jumps_of_the_transfer_function_leave_order_one() {
     let (order, errors) = measure(&scene, Rule::Midpoint);
     println!("jumps: order {order:.3}, errors {}", listed(&errors));
     assert!((0.6..1.6).contains(&order), "{order}");
-}
-
-/// The phantoms without jumps, each with its own transfer function.
-fn phantom_scenes(n: usize) -> Vec<(&'static str, Scene)> {
-    ["marschner-lobb", "blobs", "fog", "hydrogen"]
-        .map(|name| {
-            let phantom = phantom::by_name(name).unwrap();
-            let grid = phantom::sample::<f32>(&*phantom, [n; 3]).unwrap();
-            let unit = phantom::TRANSFER_UNIT_DISTANCE;
-            let transfer = TransferFunction::new(phantom.transfer_points(), OpacityRule::Power, unit).unwrap();
-            (name, Scene::new(grid.into(), transfer))
-        })
-        .to_vec()
 }
 
 #[test]

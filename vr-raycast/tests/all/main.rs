@@ -17,6 +17,7 @@ mod narrow_fields;
 mod point_means;
 mod probe;
 mod properties;
+mod quality;
 mod random_scenes;
 mod rectilinear;
 mod reference;

@@ -2,7 +2,7 @@
 
 use crate::common;
 
-use crate::common::{max_error, transfer};
+use crate::common::{max_error, rms, transfer};
 use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
@@ -229,12 +229,6 @@ fn bump(n: usize) -> Scene {
     };
     let points = [(0.0, [1.0, 0.2, 0.1], 0.0), (1.4, [0.3, 0.9, 1.0], 0.9)];
     Scene::new(common::grid([n; 3], placement, field).into(), transfer(&points, 0.5))
-}
-
-fn rms(got: &Frame, want: &Frame) -> f64 {
-    let pairs = got.pixels().iter().flatten().zip(want.pixels().iter().flatten());
-    let squares: Vec<f64> = pairs.map(|(a, b)| f64::from(a - b).powi(2)).collect();
-    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
 /// Change to a scene, the templates that draw it, and the order and the RMSE at 65³ samples that they must keep.

@@ -97,7 +97,7 @@ impl PatchEngine {
         };
         let plain = scene.shading.as_ref().is_none_or(|shading| shading.gradient_opacity.is_empty())
             && !scene.transfer.has_rows()
-            && caster.rule == Rule::Midpoint
+            && matches!(caster.rule, Rule::Auto | Rule::Midpoint)
             && caster.transfer_lookup != TransferLookup::Exact
             && caster.precision == Precision::F32;
         if !plain {

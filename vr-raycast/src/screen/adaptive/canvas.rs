@@ -124,6 +124,13 @@ impl<'a> Canvas<'a> {
         self.control.run(|| (0..ny).into_par_iter().with_min_len(8).map(bent).collect())
     }
 
+    /// Marks the points so many pixels apart at which anything shows, row by row.
+    pub(super) fn seen(&self, spacing: usize) -> Vec<Vec<bool>> {
+        let shows = |rgba: &[f32; 4]| rgba.iter().any(|&c| c > 0.0);
+        let row = |row: &Row| row.rgba.iter().step_by(spacing).map(shows).collect();
+        self.rows.iter().step_by(spacing).map(row).collect()
+    }
+
     /// Returns the cells between points so many pixels apart in which an opaque layer shows.
     pub(super) fn cells_with_layer(&self, spacing: usize) -> Vec<[usize; 2]> {
         let Some(layer) = self.layer else { return Vec::new() };

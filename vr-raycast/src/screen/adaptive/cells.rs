@@ -18,6 +18,13 @@ impl Cells {
         Self { across, down, chosen: vec![true; across * down] }
     }
 
+    /// Returns those of these cells that are listed.
+    pub(super) fn among(&self, list: &[[usize; 2]]) -> Self {
+        let mut found = Self { chosen: vec![false; self.chosen.len()], ..*self };
+        found.include(list, self);
+        found
+    }
+
     /// Returns the cells that have a corner among the marked points, which are listed row by row.
     pub(super) fn within(&self, marked: &[Vec<bool>]) -> Self {
         let mut found = self.clone();
@@ -44,10 +51,26 @@ impl Cells {
 
     /// Adds the cells of a list that are among others.
     pub(super) fn include(&mut self, list: &[[usize; 2]], among: &Self) {
-        for &[x, y] in list {
+        for &[x, y] in list.iter().filter(|[x, y]| *x < self.across && *y < self.down) {
             let i = y * self.across + x;
             self.chosen[i] |= among.chosen[i];
         }
+    }
+
+    /// Adds all cells of a set.
+    pub(super) fn add(&mut self, others: &Self) {
+        self.chosen.iter_mut().zip(&others.chosen).for_each(|(chosen, &other)| *chosen |= other);
+    }
+
+    /// Returns those that are not among others.
+    pub(super) fn without(mut self, others: &Self) -> Self {
+        self.chosen.iter_mut().zip(&others.chosen).for_each(|(chosen, &other)| *chosen &= !other);
+        self
+    }
+
+    /// True if there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        !self.chosen.contains(&true)
     }
 
     /// Returns these cells and all that touch them, as far as they are among others.
@@ -83,16 +106,41 @@ impl Cells {
         quarters
     }
 
-    /// Returns the points of the grid twice as fine, in these cells and on their sides, that `claim` accepts; neighbours stay together.
-    pub(super) fn points(&self, mut claim: impl FnMut([u32; 2]) -> bool) -> Vec<[u32; 2]> {
+    /// Returns the cells on whose sides, or in which, a point of a grid so many times as fine is marked.
+    pub(super) fn touching(&self, marked: &[Vec<bool>], times: usize) -> Self {
+        let mut found = self.clone();
+        for (y, row) in found.rows_mut() {
+            let rows = &marked[y * times..=(y + 1) * times];
+            for (x, chosen) in row.iter_mut().enumerate() {
+                *chosen &= rows.iter().any(|row| row[x * times..=(x + 1) * times].contains(&true));
+            }
+        }
+        found
+    }
+
+    /// Returns the number of these cells that are among others, too.
+    pub(super) fn common(&self, others: &Self) -> usize {
+        self.chosen.iter().zip(&others.chosen).filter(|(a, b)| **a && **b).count()
+    }
+
+    /// Returns the points of a grid so many times as fine, in these cells and on their sides, that `claim` accepts, cell by cell.
+    pub(super) fn points(&self, times: u32, mut claim: impl FnMut([u32; 2]) -> bool) -> Vec<[u32; 2]> {
         let mut points = Vec::new();
         in_blocks([0; 2], [self.across as u32, self.down as u32], |[x, y]| {
             if self.chosen[y as usize * self.across + x as usize] {
-                for point in (0..9).map(|k| [2 * x + k % 3, 2 * y + k / 3]) {
-                    if claim(point) {
-                        points.push(point);
-                    }
-                }
+                let inside = (0..=times).flat_map(|j| (0..=times).map(move |i| [times * x + i, times * y + j]));
+                points.extend(inside.filter(|&point| claim(point)));
+            }
+        });
+        points
+    }
+
+    /// Returns the corners of these cells that `claim` accepts; neighbours stay together.
+    pub(super) fn corners(&self, mut claim: impl FnMut([u32; 2]) -> bool) -> Vec<[u32; 2]> {
+        let mut points = Vec::new();
+        in_blocks([0; 2], [self.across as u32, self.down as u32], |[x, y]| {
+            if self.chosen[y as usize * self.across + x as usize] {
+                points.extend((0..4).map(|k| [x + k % 2, y + k / 2]).filter(|&point| claim(point)));
             }
         });
         points
@@ -140,10 +188,21 @@ mod tests {
     }
 
     #[test]
+    fn sets_are_joined_and_taken_away() {
+        let mut joined = cells(&["#..", "..."]);
+        joined.add(&cells(&["..#", ".#."]));
+        assert_eq!(joined, cells(&["#.#", ".#."]));
+        let rest = joined.without(&cells(&["#.#", "..."]));
+        assert_eq!(rest, cells(&["...", ".#."]));
+        assert_eq!((rest.is_empty(), rest.clone().without(&rest).is_empty()), (false, true));
+        assert_eq!(rest.corners(|_| true), [[1, 1], [2, 1], [1, 2], [2, 2]]);
+    }
+
+    #[test]
     fn quarters_and_their_points() {
         let one = cells(&[".#"]);
         assert_eq!(one.quartered(), cells(&["..##", "..##"]));
-        let mut points = one.points(|_| true);
+        let mut points = one.points(2, |_| true);
         points.sort_unstable_by_key(|&[x, y]| (y, x));
         assert_eq!(points, [[2, 0], [3, 0], [4, 0], [2, 1], [3, 1], [4, 1], [2, 2], [3, 2], [4, 2]]);
     }

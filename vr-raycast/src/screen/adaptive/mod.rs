@@ -6,13 +6,18 @@ mod cells;
 use vr_core::{Control, Layer, RenderError, RenderStats, Rendered, View};
 
 use super::every_pixel::every_pixel;
+use crate::thin_parts::ThinParts;
 use crate::tracer::Tracer;
 use canvas::Canvas;
 use cells::Cells;
 
-/// Distance of the first rays in pixels. A detail that is smaller and lies between them is missed, whatever the threshold. With 8 instead, 3 % of
+/// Distance of the first rays in pixels, which is also that of the tiles of [`ThinParts`]. A detail that is smaller and lies between them is found by these
+/// alone. With 8 instead, 3 % of
 /// the pixels' rays were saved at most, and more was missed.
 const COARSE: usize = 4;
+
+/// Part of the cells in which something shows, above which those that are refined are traced whole.
+const MOSTLY: f64 = 0.9;
 
 /// Draws a view by adaptive refinement, after Levoy (*Volume rendering by adaptive refinement*, The Visual Computer 6, 1990).
 ///
@@ -22,8 +27,11 @@ const COARSE: usize = 4;
 /// corners differ, and so follows every slope; a slope that stays the same is interpolated exactly. What lies between the rays is
 /// interpolated by cubics through four neighbours, x first: a smooth picture is right to the fourth order of the distance.
 ///
-/// That all corners of a cell lie on a line bounds what is inside it by no law: something small may stand between the rays. The refined
-/// neighbours are there because edges rarely end at a cell's side: where one is found, it is followed. The tests measure the rest.
+/// That all corners of a cell lie on a line bounds what is inside it by no law: something small may stand between the rays. Three things are there
+/// for that. The neighbours of what bends are refined, too. What bends where refined cells end is followed beyond them, two pixels at a time, for as
+/// long as it goes on: of a thin line, one ray that meets it finds all. And cells in which [`ThinParts`] show are traced whole. The tests measure the rest.
+///
+/// Where most of what shows is refined, that is traced whole: rays of every other pixel take as long, since packets hold neighbours.
 ///
 /// A threshold of 0 traces every pixel. Cells in which an opaque layer shows are traced whole: layers have edges that no corner
 /// tells of. Depth is interpolated linearly where both neighbours have one, and taken from one of them elsewhere.
@@ -32,34 +40,114 @@ const COARSE: usize = 4;
 pub(crate) fn adaptive(
     tracer: &dyn Tracer,
     (view, layer): (&View, Option<&Layer>),
-    threshold: f64,
+    (threshold, thin): (f64, Option<&ThinParts>),
     control: &Control,
 ) -> Result<Rendered, RenderError> {
     if threshold == 0.0 {
         return every_pixel(tracer, view, control);
     }
     let mut stats = RenderStats::default();
+    let thin = match thin {
+        Some(thin) => stats.time("thin parts", || thin.tiles(view))?,
+        None => Vec::new(),
+    };
     let mut canvas = Canvas::new((view, layer), control, COARSE);
     let mut spacing = COARSE;
     let mut cells = Cells::all(canvas.points(spacing));
+    // Cells that are traced whole, whatever their corners are.
+    let mut whole = cells.among(&thin);
     let first = canvas.claim_all(spacing);
     stats.time("rays", || canvas.trace(tracer, &first, spacing))?;
     while spacing > 1 {
+        if spacing < COARSE {
+            follow(tracer, &mut canvas, (&mut cells, spacing), threshold as f32, &mut stats)?;
+        }
         let refined = stats.time("refinement", || {
             let mut differing = cells.within(&canvas.bent(&cells, spacing, threshold as f32));
             differing.include(&canvas.cells_with_layer(spacing), &cells);
+            differing.add(&whole);
             differing.grown(&cells)
         });
+        let shown = cells.within(&canvas.seen(spacing));
+        if spacing == COARSE && refined.common(&shown) as f64 > MOSTLY * shown.common(&shown) as f64 {
+            // Hardly any ray would be left out in them: those of neighbouring pixels run together.
+            trace_whole(tracer, &mut canvas, refined, threshold as f32, &mut stats)?;
+            break;
+        }
         spacing /= 2;
-        let wanted = refined.points(|at| canvas.claim(at, spacing));
+        let wanted = refined.points(2, |at| canvas.claim(at, spacing));
         stats.time("rays", || canvas.trace(tracer, &wanted, spacing))?;
         stats.time("interpolation", || canvas.interpolate(spacing));
         cells = refined.quartered();
+        whole = whole.quartered();
     }
     control.report(1.0);
     stats.counts = canvas.counts();
     let frame = stats.time("image", || canvas.into_frame());
     Ok(Rendered { frame, stats })
+}
+
+/// Traces all pixels of cells of the coarse grid, and those of others at whose sides what is interpolated there bends; interpolates the rest.
+fn trace_whole(
+    tracer: &dyn Tracer,
+    canvas: &mut Canvas<'_>,
+    mut cells: Cells,
+    threshold: f32,
+    stats: &mut RenderStats,
+) -> Result<(), RenderError> {
+    let all = Cells::all(canvas.points(COARSE));
+    let (mut added, mut is_first) = (cells.clone(), true);
+    loop {
+        let wanted = added.points(COARSE as u32, |at| canvas.claim(at, 1));
+        stats.time("rays", || canvas.trace(tracer, &wanted, 1))?;
+        // Once for all sides, and in the end.
+        if is_first {
+            interpolate_all(canvas, stats);
+        }
+        is_first = false;
+        let reached = stats.time("refinement", || {
+            let pixels = (0..COARSE.ilog2()).fold(added.clone(), |cells, _| cells.quartered());
+            let bent = canvas.bent(&pixels, 1, threshold);
+            all.touching(&bent, COARSE).without(&cells)
+        });
+        if reached.is_empty() {
+            interpolate_all(canvas, stats);
+            return Ok(());
+        }
+        cells.add(&reached);
+        added = reached;
+    }
+}
+
+/// Interpolates all points through which no ray goes from those of the coarse grid.
+fn interpolate_all(canvas: &mut Canvas<'_>, stats: &mut RenderStats) {
+    let finer = std::iter::successors(Some(COARSE / 2), |&finer| (finer > 1).then_some(finer / 2));
+    stats.time("interpolation", || finer.for_each(|spacing| canvas.interpolate(spacing)));
+}
+
+/// Adds the cells, so many pixels apart, that touch what bends at a corner of others, and traces their corners, until nothing bends where they end.
+fn follow(
+    tracer: &dyn Tracer,
+    canvas: &mut Canvas<'_>,
+    (cells, spacing): (&mut Cells, usize),
+    threshold: f32,
+    stats: &mut RenderStats,
+) -> Result<(), RenderError> {
+    let all = Cells::all(canvas.points(spacing));
+    let mut added = cells.clone();
+    loop {
+        let reached = stats.time("refinement", || {
+            let bent = added.within(&canvas.bent(&added, spacing, threshold));
+            bent.grown(&all).without(cells)
+        });
+        if reached.is_empty() {
+            return Ok(());
+        }
+        let corners = reached.corners(|at| canvas.claim(at, spacing));
+        stats.time("rays", || canvas.trace(tracer, &corners, spacing))?;
+        cells.add(&reached);
+        added = reached;
+    }
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ fn view(size: [u32; 2]) -> View {
 }
 
 fn draw(size: [u32; 2], threshold: f64, f: impl Fn(f64, f64) -> f64 + Sync) -> Rendered {
-    adaptive(&Painting(f), (&view(size), None), threshold, &Control::default()).unwrap()
+    adaptive(&Painting(f), (&view(size), None), (threshold, None), &Control::default()).unwrap()
 }
 
 fn largest_error(size: [u32; 2], threshold: f64, f: impl Fn(f64, f64) -> f64 + Sync) -> f64 {
@@ -110,7 +110,7 @@ fn a_layer_is_traced_where_it_shows() {
             values.extend(spots.iter().map(|s| RaySample::NOTHING.over(self.0, s.pixel)));
         }
     }
-    let frame = adaptive(&Layered(&layer), (&view, Some(&layer)), 0.1, &Control::default()).unwrap().frame;
+    let frame = adaptive(&Layered(&layer), (&view, Some(&layer)), (0.1, None), &Control::default()).unwrap().frame;
     for (i, p) in frame.pixels().iter().enumerate() {
         assert_eq!(p[0], f32::from(u8::from(shown(i))), "{i}");
     }

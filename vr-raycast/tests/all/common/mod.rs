@@ -1,5 +1,6 @@
 //! Small scenes, and pictures of them.
 use glam::DVec3;
+use vr_core::phantom;
 use vr_core::*;
 use vr_physics::Reference;
 use vr_physics::check::pictures::error;
@@ -90,4 +91,24 @@ pub fn assert_close(got: [f32; 4], want: [f64; 4], bound: f64, what: &str) {
     for c in 0..4 {
         assert!((f64::from(got[c]) - want[c]).abs() <= bound, "{what}: {got:?}, expected {want:?}");
     }
+}
+
+/// Root mean square of the difference over all components: averaged over rays, it falls evenly.
+pub fn rms(a: &Frame, b: &Frame) -> f64 {
+    let pairs = a.pixels().iter().flatten().zip(b.pixels().iter().flatten());
+    let sum: f64 = pairs.map(|(&a, &b)| (f64::from(a) - f64::from(b)).powi(2)).sum();
+    (sum / (4.0 * a.pixels().len() as f64)).sqrt()
+}
+
+/// The phantoms without jumps, each with its own transfer function.
+pub fn phantom_scenes(n: usize) -> Vec<(&'static str, Scene)> {
+    ["marschner-lobb", "blobs", "fog", "hydrogen"]
+        .map(|name| {
+            let phantom = phantom::by_name(name).unwrap();
+            let grid = phantom::sample::<f32>(&*phantom, [n; 3]).unwrap();
+            let unit = phantom::TRANSFER_UNIT_DISTANCE;
+            let transfer = TransferFunction::new(phantom.transfer_points(), OpacityRule::Power, unit).unwrap();
+            (name, Scene::new(grid.into(), transfer))
+        })
+        .to_vec()
 }

@@ -1,0 +1,384 @@
+//! Visible parts of a volume so thin that rays some pixels apart pass on both sides of them.
+
+use glam::DVec3;
+use vr_core::filter::Lattice;
+use vr_core::parallel::collect;
+use vr_core::{GridVolume, LatticeVisitor, ParameterError, Placement, Scene, View, Voxel};
+use vr_kernels::ranges::{LevelRanges, VisibleValues};
+
+use crate::projection::{Projection, TILE};
+
+/// Blocks that hold needles and dots: visible voxels around which hardly any is visible two voxels away.
+///
+/// Sheets are thin, too, but show as surfaces, whose rims are long: a screen that leaves rays out meets these, and follows them. Holes as small as that in
+/// something visible are not looked for.
+#[derive(Clone, Debug)]
+pub(crate) struct ThinParts {
+    placement: Placement,
+    /// The blocks, by their place among all of them.
+    blocks: Vec<[u16; 3]>,
+}
+
+/// Largest number of voxels in which something is seen, of the 98 on the surface of a cube of 5³, around the middle of a thin part: an oblique needle goes out
+/// through two sides, by up to eight voxels each, those before it included. Through a sheet it would be 32, and more at the edge of something solid.
+const MOST: u32 = 16;
+/// Opacity of a voxel's length from which on a part counts: fainter ones change a picture by less than adaptive rays do.
+const FAINT: f64 = 0.02;
+/// Pixels of a voxel from which on nothing is thin: two voxels, the width of a dot, are then as far apart as the first rays.
+const WIDE: f64 = 0.5 * TILE as f64 * std::f64::consts::SQRT_2;
+
+impl ThinParts {
+    /// Cells along the edge of a block.
+    const EDGE: usize = LevelRanges::EDGE;
+
+    /// Finds the thin parts of a grid under the scene's transfer function.
+    pub(crate) fn new(scene: &Scene, volume: &GridVolume) -> Self {
+        let levels = LevelRanges::of_volume(volume);
+        let codes = Codes::new(scene, volume, &levels);
+        let blocks = volume.with_lattice(Search { codes: &codes, levels: &levels });
+        Self { placement: *volume.placement(), blocks }
+    }
+
+    /// Returns the tiles of a view in which thin parts may show, each once or more often.
+    ///
+    /// # Errors
+    /// Same as for [`vr_core::Camera::frame`].
+    pub(crate) fn tiles(&self, view: &View) -> Result<Vec<[usize; 2]>, ParameterError> {
+        let projection = Projection::new(view, &self.placement)?;
+        let half = 0.5 * Self::EDGE as f64;
+        let stencil = projection.stencil(DVec3::splat(half + 1.0));
+// Seen along a diagonal, a block is longer by √3; and it may begin anywhere in a tile.
+        let longest = (Self::EDGE as f64 + 2.0) * libm::sqrt(3.0) * WIDE / f64::from(TILE);
+        let tiles_of_wide = longest.ceil() as u32 + 1;
+        let mut tiles = Vec::new();
+        for block in &self.blocks {
+            let centre = DVec3::from_array(block.map(|b| f64::from(b) * Self::EDGE as f64 + half));
+            let Some(seen) = projection.footprint(&stencil, centre) else { continue };
+            if (0..2).all(|a| seen.high[a] - seen.low[a] > tiles_of_wide) {
+                continue;
+            }
+            let columns = seen.low[0] as usize..=seen.high[0] as usize;
+            tiles.extend(
+                (seen.low[1] as usize..=seen.high[1] as usize).flat_map(|y| columns.clone().map(move |x| [x, y])),
+            );
+        }
+        tiles.sort_unstable();
+        tiles.dedup();
+        Ok(tiles)
+    }
+}
+
+/// Codes of levels: odd for visible ones, and the same for all that no way between them leads through a change.
+struct Codes {
+    low: f32,
+    levels_per_value: f32,
+    codes: [u8; LEVELS],
+}
+
+const LEVELS: usize = LevelRanges::LAST as usize + 1;
+
+impl Codes {
+    fn new(scene: &Scene, volume: &GridVolume, levels: &LevelRanges) -> Self {
+        // The opacity per unit distance that makes a voxel's length no longer faint.
+        let voxel = volume.placement().spacing().min_element();
+        let optical_depth = -libm::log1p(-FAINT);
+        let (mut faint, mut strong) = (0.0, 1.0);
+        for _ in 0..40 {
+            let middle = 0.5 * (faint + strong);
+            let is_faint = scene.transfer.extinction(middle) * voxel < optical_depth;
+            *if is_faint { &mut faint } else { &mut strong } = middle;
+        }
+        let values = VisibleValues::above(&scene.transfer, faint);
+        let at = |level: usize| volume.calibration().value(levels.stored(level as u8));
+        let mut codes = [0u8; LEVELS];
+        for i in 0..LEVELS {
+            let last = if i > 0 { codes[i - 1] } else { 0 };
+            let was_visible = last % 2 == 1;
+            // A thin peak between two clear levels parts them. Codes that come round after 256 changes are told apart from their neighbours still.
+            codes[i] = match values.shows(at(i), at(i)) {
+                visible if visible != was_visible => last.wrapping_add(1),
+                false if i > 0 && values.shows(at(i - 1), at(i)) => last.wrapping_add(2),
+                _ => last,
+            };
+        }
+        let (low, high) = (levels.stored(0), levels.stored(LevelRanges::LAST));
+        let levels_per_value = (f64::from(LevelRanges::LAST) / (high - low)) as f32;
+        Self { low: low as f32, levels_per_value, codes }
+    }
+
+    /// Returns the code of a stored number.
+    #[inline(always)]
+    fn of(&self, stored: f32) -> u8 {
+        // `as` saturates, and takes NaN for 0.
+        self.codes[usize::from(((stored - self.low) * self.levels_per_value + 0.5) as u8)]
+    }
+}
+
+/// Search for blocks with thin parts.
+struct Search<'a> {
+    codes: &'a Codes,
+    levels: &'a LevelRanges,
+}
+
+/// Voxels beyond a block that decide whether something in it is thin.
+const RIM: usize = 2;
+
+impl LatticeVisitor for Search<'_> {
+    type Output = Vec<[u16; 3]>;
+
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output {
+        let [across, down, deep] = self.levels.blocks();
+        let row = |row: usize| {
+            let (y, z) = (row % down, row / down);
+            let is_mixed = |x: usize| self.is_mixed(row * across + x);
+            let mut found = Vec::new();
+            let mut x = 0;
+            while x < across {
+                // A run of blocks is looked at as one.
+                let end = (x..across).find(|&x| !is_mixed(x)).unwrap_or(across);
+                if end > x {
+                    self.search([x, end], [y, z], &lattice, |x| found.push([x, y, z].map(|b| b as u16)));
+                }
+                x = end + 1;
+            }
+            found
+        };
+        collect(down * deep, row).concat()
+    }
+}
+
+impl Search<'_> {
+    /// True if something in a block is visible, and something is not.
+    fn is_mixed(&self, block: usize) -> bool {
+        let [low, high] = self.levels.ranges()[block];
+        let codes = |level: u8| self.codes.codes[usize::from(level)];
+        low <= high && codes(low) != codes(high)
+    }
+
+    /// Calls `each` with the x of the blocks of a run, `end` excluded, in which something is thin.
+    fn search<T: Voxel>(
+        &self,
+        [first, end]: [usize; 2],
+        [y, z]: [usize; 2],
+        lattice: &Lattice<'_, T>,
+        each: impl FnMut(usize),
+    ) {
+        let blocks = self.levels.blocks();
+        let runs = [[first, end], [y, y + 1], [z, z + 1]];
+        // The voxels of the run; the last blocks have the last voxels, too.
+        let voxels: [[usize; 2]; 3] = std::array::from_fn(|a| {
+            let end = if runs[a][1] == blocks[a] { lattice.dims[a] } else { runs[a][1] * ThinParts::EDGE };
+            [runs[a][0] * ThinParts::EDGE, end]
+        });
+        let seen = SeenVoxels::new(self.codes, lattice, voxels);
+        let mut thin = vec![false; end - first];
+        for z in voxels[2][0]..voxels[2][1] {
+            for y in voxels[1][0]..voxels[1][1] {
+                seen.each_thin([y, z], |x| {
+                    if (voxels[0][0]..voxels[0][1]).contains(&x) {
+                        thin[(x / ThinParts::EDGE).min(end - 1) - first] = true;
+                    }
+                });
+            }
+        }
+        (first..end).filter(|x| thin[x - first]).for_each(each);
+    }
+}
+
+/// Voxels of a box that are visible, or from which the way to the next along an axis is; a bit for each, and rows begin new words.
+struct SeenVoxels {
+    first: [usize; 3],
+    dims: [usize; 3],
+    words: Vec<u64>,
+}
+
+impl SeenVoxels {
+    /// Looks at the voxels of a box, ends excluded, and those around it as far as they count.
+    fn new<T: Voxel>(codes: &Codes, lattice: &Lattice<'_, T>, voxels: [[usize; 2]; 3]) -> Self {
+        let first = voxels.map(|[first, _]| first.saturating_sub(RIM));
+        let dims: [usize; 3] = std::array::from_fn(|a| (voxels[a][1] + RIM).min(lattice.dims[a]) - first[a]);
+        // One more along each axis, to which the ways of the last lead; beyond the volume, the last voxel again.
+        let [wide, high, deep] = dims.map(|n| n + 1);
+        let clamped = |a: usize, i: usize| (first[a] + i).min(lattice.dims[a] - 1);
+        let mut coded = Vec::with_capacity(wide * high * deep);
+        for z in 0..deep {
+            for y in 0..high {
+                let start = lattice.offset(first[0], clamped(1, y), clamped(2, z));
+                let row = &lattice.samples[start..start + wide.min(lattice.dims[0] - first[0])];
+                coded.extend(row.iter().map(|s| codes.of(s.to_f32())));
+                coded.resize((z * high + y + 1) * wide, *coded.last().expect("a row has voxels"));
+            }
+        }
+        let mut words = Vec::with_capacity(dims[0].div_ceil(64) * dims[1] * dims[2]);
+        for z in 0..dims[2] {
+            for y in 0..dims[1] {
+                let row = |y: usize, z: usize| &coded[(z * high + y) * wide..][..wide];
+                let (this, beside, behind) = (row(y, z), row(y + 1, z), row(y, z + 1));
+                let is_seen = |x: usize| {
+                    let code = this[x];
+                    code % 2 == 1 || code != this[x + 1] || code != beside[x] || code != behind[x]
+                };
+                words.extend((0..dims[0]).step_by(64).map(|start| {
+                    let part = start..(start + 64).min(dims[0]);
+                    part.fold(0u64, |word, x| word | u64::from(is_seen(x)) << (x - start))
+                }));
+            }
+        }
+        Self { first, dims, words }
+    }
+
+    /// Returns a row of the box; `None` beyond it.
+    fn row(&self, y: usize, z: usize) -> Option<&[u64]> {
+        let words = self.dims[0].div_ceil(64);
+        (y < self.dims[1] && z < self.dims[2]).then(|| &self.words[(z * self.dims[1] + y) * words..][..words])
+    }
+
+    /// Calls `each` with the x of every voxel of a row around which few others are.
+    fn each_thin(&self, [y, z]: [usize; 2], mut each: impl FnMut(usize)) {
+        let (y, z) = (y - self.first[1], z - self.first[2]);
+        // Rows by their distances of −2 to 2 along y and z. What lies below 0 wraps, and is beyond the box, too.
+        let rows: [[Option<&[u64]>; 5]; 5] = std::array::from_fn(|dz| {
+            std::array::from_fn(|dy| self.row((y + dy).wrapping_sub(2), (z + dz).wrapping_sub(2)))
+        });
+        let word = |row: Option<&[u64]>, i: usize| row.map_or(0, |row| row[i]);
+        let middle = rows[2][2].expect("a row of the box");
+        for (i, &seen) in middle.iter().enumerate() {
+            if seen == 0 {
+                continue;
+            }
+            // Of the six voxels two away along the axes, a needle goes through two at the most.
+            let before = if i > 0 { middle[i - 1] } else { 0 };
+            let after = middle.get(i + 1).copied().unwrap_or(0);
+            let ends = [seen << 2 | before >> 62, seen >> 2 | after << 62];
+            let sides = [[2, 0], [2, 4], [0, 2], [4, 2]].map(|[dz, dy]: [usize; 2]| word(rows[dz][dy], i));
+            let (mut one, mut two, mut more) = (0, 0, 0);
+            for side in ends.into_iter().chain(sides) {
+                more |= two & side;
+                two |= one & side;
+                one |= side;
+            }
+            let mut left = seen & !more;
+            while left != 0 {
+                let x = i * 64 + left.trailing_zeros() as usize;
+                left &= left - 1;
+                if Self::count_around(&rows, x) <= MOST {
+                    each(self.first[0] + x);
+                }
+            }
+        }
+    }
+
+    /// Returns the number of voxels on the surface of the cube of 5³ around one.
+    fn count_around(rows: &[[Option<&[u64]>; 5]; 5], x: usize) -> u32 {
+        let mut count = 0;
+        for (dz, rows) in rows.iter().enumerate() {
+            for (dy, row) in rows.iter().enumerate() {
+                let Some(row) = row else { continue };
+                let inside = (1..4).contains(&dz) && (1..4).contains(&dy);
+                // The five around x, lowest bit first.
+                let (word, bit) = (x / 64, x % 64);
+                let five = match bit {
+                    0 | 1 => row[word] << (2 - bit) | if word > 0 { row[word - 1] >> (62 + bit) } else { 0 },
+                    62 | 63 => row[word] >> (bit - 2) | row.get(word + 1).map_or(0, |next| next << (66 - bit)),
+                    _ => row[word] >> (bit - 2),
+                };
+                count += (five & if inside { 0b10001 } else { 0b11111 }).count_ones();
+            }
+        }
+        count
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use vr_core::{Calibration, Camera, ControlPoint, OpacityRule, TransferFunction, UniformGrid, Volume};
+
+    use super::*;
+
+    fn thin(shown: impl Fn([usize; 3]) -> bool, opacity: f64) -> ThinParts {
+        let n = 24;
+        let samples: Vec<u8> =
+            (0..n * n * n).map(|i| if shown([i % n, i / n % n, i / (n * n)]) { 200u8 } else { 10 }).collect();
+        let placement = Placement::from_spacing([1.0; 3]).unwrap();
+        let volume: Volume = UniformGrid::new([n; 3], samples, placement, Calibration::default()).unwrap().into();
+        let points = vec![ControlPoint::new(100.0, [1.0; 3], 0.0), ControlPoint::new(180.0, [1.0; 3], opacity)];
+        let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
+        let scene = Scene::new(volume.clone(), transfer);
+        ThinParts::new(&scene, volume.grid().unwrap())
+    }
+
+    #[test]
+    fn needles_and_dots_are_thin_and_larger_things_are_not() {
+        assert_eq!(thin(|at| at == [9, 13, 5], 0.5).blocks, [[2, 3, 1]]);
+        assert_eq!(thin(|at| at == [23, 0, 23], 0.5).blocks, [[5, 0, 5]]);
+        let needle = |at: [usize; 3]| at[0] == at[1] && at[1].abs_diff(at[2]) < 2;
+        assert!(thin(needle, 0.5).blocks.len() >= 6);
+        for larger in [
+            (|at| at[0] > 11) as fn([usize; 3]) -> bool,
+            |at| at[0] + at[1] + at[2] == 30,
+            |at| at.iter().all(|&i| (8..16).contains(&i)),
+            |_| true,
+            |_| false,
+        ] {
+            assert_eq!(thin(larger, 0.5).blocks, [[0u16; 3]; 0]);
+        }
+        assert_eq!(thin(|at| at == [9, 13, 5], 0.01).blocks, [[0u16; 3]; 0], "too faint to count");
+    }
+
+    #[test]
+    fn voxels_around_one_are_counted_across_words() {
+        let (dims, mut state) = ([150, 9, 8], 1u32);
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            state >> 29 == 0
+        };
+        let voxels: Vec<bool> = (0..dims.iter().product()).map(|_| random()).collect();
+        let words = voxels.chunks(dims[0]).flat_map(|row| {
+            row.chunks(64)
+                .map(|part| part.iter().enumerate().fold(0u64, |word, (i, &seen)| word | u64::from(seen) << i))
+        });
+        let seen = SeenVoxels { first: [0; 3], dims, words: words.collect() };
+        for z in 0..dims[2] {
+            for y in 0..dims[1] {
+                let mut found = Vec::new();
+                seen.each_thin([y, z], |x| found.push(x));
+                let at = |x: usize, y: usize, z: usize| voxels[(z * dims[1] + y) * dims[0] + x];
+                let near = |i: usize, a: usize| i.saturating_sub(2)..(i + 3).min(dims[a]);
+                let is_thin = |&x: &usize| {
+                    let on_surface =
+                        |[i, j, k]: [usize; 3]| [(i, x), (j, y), (k, z)].iter().any(|(a, b)| a.abs_diff(*b) == 2);
+                    let cube =
+                        near(z, 2).flat_map(|k| near(y, 1).flat_map(move |j| near(x, 0).map(move |i| [i, j, k])));
+                    let around = cube.filter(|&p| on_surface(p) && at(p[0], p[1], p[2])).collect::<Vec<_>>();
+                    let along_axes = around
+                        .iter()
+                        .filter(|p| [(p[0], x), (p[1], y), (p[2], z)].iter().filter(|(a, b)| a == b).count() == 2);
+                    at(x, y, z) && along_axes.count() <= 2 && around.len() <= MOST as usize
+                };
+                assert_eq!(found, (0..dims[0]).filter(is_thin).collect::<Vec<_>>(), "{y} {z}");
+            }
+        }
+    }
+
+    #[test]
+    fn tiles_cover_what_is_thin_where_voxels_are_small() {
+        let thin = thin(|at| at == [9, 13, 5], 0.5);
+        let camera = Camera::framing((DVec3::ZERO, DVec3::splat(23.0)), 30.0, 20.0, Some(30.0));
+        for (size, few) in [([64, 64], true), ([2048, 2048], false)] {
+            let view = View::new(camera, size);
+            let tiles = thin.tiles(&view).unwrap();
+            if !few {
+                assert_eq!(tiles, [[0usize; 2]; 0]);
+                continue;
+            }
+            let projection = Projection::new(&view, &thin.placement).unwrap();
+            let dot = projection.footprint(&projection.stencil(DVec3::ONE), DVec3::new(9.0, 13.0, 5.0)).unwrap();
+            for y in dot.low[1]..=dot.high[1] {
+                for x in dot.low[0]..=dot.high[0] {
+                    assert!(tiles.contains(&[x as usize, y as usize]), "{x} {y}");
+                }
+            }
+            assert!(tiles.len() < 40, "{}", tiles.len());
+        }
+    }
+}
