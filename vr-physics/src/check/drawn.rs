@@ -1,7 +1,12 @@
 //! One picture of one scene, by the renderer under test and by the reference.
 
+use std::collections::HashMap;
+use std::sync::{Arc, LazyLock, Mutex};
+
+use vr_core::parallel::locked;
 use vr_core::{Control, Frame, Model, RenderError, Renderer};
 
+use super::strategies::Kind;
 use super::test_scene::TestScene;
 use crate::Reference;
 
@@ -28,4 +33,35 @@ impl ReferencePixels {
         let uncertainty = solution.pixels.iter().fold(0.0, |worst: f64, p| worst.max(p.certainty.value())) / peak;
         Ok(Some(Self { pixels, uncertainty }))
     }
+}
+
+/// Name of a scene that is the same each time it is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum SceneName {
+    /// A hard case.
+    Case(&'static str),
+    /// The scene of a kind that a seed draws.
+    Drawn(Kind, u64),
+}
+
+/// Canonical pixels of a scene; `None` if the reference cannot solve it.
+pub(super) type Solution = Option<Arc<ReferencePixels>>;
+
+/// Solutions by scene and tolerance (its bits), each once it is there.
+type Solutions = HashMap<(SceneName, u64), Arc<Mutex<Option<Solution>>>>;
+
+/// Solutions of scenes that have names, kept as long as the process runs: checks of several renderers, and of several settings of one, look at
+/// the same scenes.
+static SOLUTIONS: LazyLock<Mutex<Solutions>> = LazyLock::new(Mutex::default);
+
+/// Returns the canonical pixels of a scene that has a name, solved once for all checks of the process.
+pub(super) fn solve_once(reference: &Reference, name: SceneName, test: &TestScene) -> Result<Solution, RenderError> {
+    let slot = Arc::clone(locked(&SOLUTIONS).entry((name, reference.tolerance().to_bits())).or_default());
+    // Held while it is solved: a second test that asks waits, and solves the next scene.
+    let mut slot = locked(&slot);
+    if let Some(solution) = &*slot {
+        return Ok(solution.clone());
+    }
+    let solution = ReferencePixels::solve(reference, test, &Model::Canonical)?.map(Arc::new);
+    Ok(slot.insert(solution).clone())
 }
