@@ -47,21 +47,17 @@ pub(super) enum SceneName {
 /// Canonical pixels of a scene; `None` if the reference cannot solve it.
 pub(super) type Solution = Option<Arc<ReferencePixels>>;
 
-/// Solutions by scene and tolerance (its bits), each once it is there.
-type Solutions = HashMap<(SceneName, u64), Arc<Mutex<Option<Solution>>>>;
+/// Solutions of scenes that have names, by tolerance (its bits), kept as long as the process runs: checks of several renderers, and of several
+/// settings of one, look at the same scenes.
+static SOLUTIONS: LazyLock<Mutex<HashMap<(SceneName, u64), Solution>>> = LazyLock::new(Mutex::default);
 
-/// Solutions of scenes that have names, kept as long as the process runs: checks of several renderers, and of several settings of one, look at
-/// the same scenes.
-static SOLUTIONS: LazyLock<Mutex<Solutions>> = LazyLock::new(Mutex::default);
-
-/// Returns the canonical pixels of a scene that has a name, solved once for all checks of the process.
+/// Returns the canonical pixels of a scene that has a name, solved when first asked for.
 pub(super) fn solve_once(reference: &Reference, name: SceneName, test: &TestScene) -> Result<Solution, RenderError> {
-    let slot = Arc::clone(locked(&SOLUTIONS).entry((name, reference.tolerance().to_bits())).or_default());
-    // Held while it is solved: a second test that asks waits, and solves the next scene.
-    let mut slot = locked(&slot);
-    if let Some(solution) = &*slot {
+    let key = (name, reference.tolerance().to_bits());
+    if let Some(solution) = locked(&SOLUTIONS).get(&key) {
         return Ok(solution.clone());
     }
+    // No lock is held meanwhile: a thread that solves in parallel may take up work that asks for the same scene.
     let solution = ReferencePixels::solve(reference, test, &Model::Canonical)?.map(Arc::new);
-    Ok(slot.insert(solution).clone())
+    Ok(locked(&SOLUTIONS).entry(key).or_insert(solution).clone())
 }
