@@ -122,8 +122,7 @@ fn hard_cases_have_no_unexplained_failure() {
 #[test]
 fn a_report_that_was_cut_short_is_taken_up() {
     let vr = Vr::new();
-    // One renderer has a note for each case: enough to be cut short in the middle.
-    let report = ["report", "--suite", "hard", "--renderer", "splat", "--untimed", "--no-cache", "-o", "r", "--json"];
+    let report = ["report", "--suite", "hard", "--no-cache", "-o", "r", "--json"];
     let mut process = vr.command(&report).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let journal = vr.folder().join("r/journal-hard.jsonl");
     let deadline = Instant::now() + Duration::from_secs(60);
