@@ -1,6 +1,6 @@
 //! Scenes that were once drawn wrongly, each with every renderer: drawn right, getting better as steps shrink, or refused.
 //!
-//! `docs/wrong-results.md` tells what was wrong with each. `VR_CASES=1 cargo test --release -p vr-benches --test cases -- --nocapture`
+//! `docs/wrong-results.md` tells what was wrong with each. `VR_CASES=1 cargo test --release -p vr-benches --test all -- cases --nocapture`
 //! prints what is found.
 
 use std::path::Path;

@@ -4,12 +4,13 @@ use std::sync::{Arc, Mutex, OnceLock};
 
 use vr_core::cells::CellValues;
 use vr_core::image_order::{ImageSample, trace_view};
+use vr_core::memory::{self, MemoryError};
 use vr_core::{
     CellMesh, Control, Counts, Layer, Model, Prepared, Ray, RenderError, RenderStats, Rendered, Scene, View,
 };
 
 use crate::accumulators::{Seen, is_whole_light};
-use crate::camera_space::CameraSpace;
+use crate::camera_space::{CameraSpace, CameraVertex};
 use crate::capabilities::{check, needs_gradients};
 use crate::entries::{Entries, SurfaceFace, surface};
 use crate::marcher::CellMarcher;
@@ -37,8 +38,11 @@ impl PreparedMarcher {
     }
 
     /// The links of the mesh, for rays in packets.
-    fn links(&self) -> Option<&Links> {
-        self.links.get_or_init(|| Links::new(&self.mesh)).as_ref()
+    fn links(&self) -> Result<Option<&Links>, MemoryError> {
+        if self.links.get().is_none() {
+            memory::check("the links of the mesh of cells", Links::bytes(&self.mesh))?;
+        }
+        Ok(self.links.get_or_init(|| Links::new(&self.mesh)).as_ref())
     }
 
     /// True if the picture is that of light, which packets draw: of values at vertices, without emission, and without opacity by the gradient.
@@ -61,6 +65,8 @@ impl PreparedMarcher {
     ) -> Result<Vec<Seen>, RenderError> {
         let scene = &self.scene;
         let camera = CameraSpace::new(view)?;
+        let of_vertex = size_of::<CameraVertex<N>>() + Projected::BYTES_PER_VERTEX;
+        memory::check("the mesh of cells on the screen", (self.mesh.vertices().len() * of_vertex) as u64)?;
         let vertices = stats.time("vertices", || camera.vertices::<N>(&self.mesh));
         let entries = stats.time("entries", || Entries::new(&self.surface, &self.mesh, &vertices, view));
         let walker = Walker::new(&self.mesh, &vertices, &entries);
@@ -72,7 +78,7 @@ impl PreparedMarcher {
                 walker.walk(&camera.axis(ray), [sample.x, sample.y], part, found, take);
             })
         };
-        let links = if self.is_light() { self.links() } else { None };
+        let links = if self.is_light() { self.links()? } else { None };
         let segments = scene.transfer.segments();
         let in_packets = links.and_then(|links| Some((links, Projected::new(&self.mesh, &vertices, view, segments)?)));
         let (seen, counts) = stats.time("march", || match in_packets {

@@ -1,5 +1,7 @@
 //! Lists of what touches each tile of a picture.
 
+use vr_core::cancel;
+
 /// First and behind the last tile along both axes.
 pub(crate) type TileRange = [[u32; 2]; 2];
 
@@ -35,6 +37,7 @@ impl TileLists {
         if first[first.len() - 1] > most {
             return None;
         }
+        cancel::claim("the lists of what touches each tile", (first[first.len() - 1] * size_of::<u32>()) as u64);
         let mut next = first.clone();
         let mut items = vec![0; first[first.len() - 1]];
         for (item, range) in ranges {

@@ -1,6 +1,7 @@
 //! Rasterization of a mesh, as a view sees it, into a layer.
 
 use glam::DVec3;
+use vr_core::cancel::SparsePoll;
 use vr_core::image_order::in_parallel;
 use vr_core::{Control, Layer, Light, Ray, RayShading, Rays, RenderError, TriangleMesh, View};
 
@@ -97,10 +98,12 @@ impl Picture<'_> {
         // Find the nearest triangle along the ray of each pixel, among those whose outline covers it.
         let mut sights: Vec<Option<Sight>> =
             (first..end).flat_map(|y| (0..size[0]).map(move |x| (x, y))).map(|(x, y)| self.sight(x, y)).collect();
+        let mut poll = SparsePoll::default();
         for triangle in triangles {
             let outline = self.screen.outline(self.mesh.corners(triangle as usize));
             let [top, bottom] = outline.rows(size);
             for row in top.max(first)..bottom.min(end) {
+                poll.turn();
                 let [left, right] = outline.columns(row, size);
                 let begin = (row - first) as usize * size[0] as usize;
                 for sight in sights[begin + left as usize..begin + left.max(right) as usize].iter_mut().flatten() {

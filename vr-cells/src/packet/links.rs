@@ -1,6 +1,7 @@
 //! Neighbours of a mesh, as a vector of rays wants them: what lies behind each side of a cell in one row of four numbers.
 
 use vr_core::CellMesh;
+use vr_core::cancel::SparsePoll;
 use vr_core::cells::{FACES, NO_CELL};
 
 /// For each side of each cell, by which a ray enters: the vertex across, and where the ray goes through each of the other three sides.
@@ -18,6 +19,11 @@ pub(crate) const OUTSIDE: u32 = u32::MAX;
 const MAX_CELLS: usize = 1 << 28;
 
 impl Links {
+    /// Bytes that the links of a mesh take.
+    pub(crate) fn bytes(mesh: &CellMesh) -> u64 {
+        (mesh.cells().len() * 4 * size_of::<[u32; 4]>()) as u64
+    }
+
     /// The links of a mesh; `None` if it has too many cells.
     pub(crate) fn new(mesh: &CellMesh) -> Option<Self> {
         let (cells, neighbours) = (mesh.cells(), mesh.neighbours());
@@ -25,7 +31,9 @@ impl Links {
             return None;
         }
         let mut rows = Vec::with_capacity(4 * cells.len());
+        let mut poll = SparsePoll::default();
         for (cell, names) in cells.iter().enumerate() {
+            poll.turn();
             for (across, corners) in FACES.iter().enumerate() {
                 let beyond = [0, 1, 2].map(|i| {
                     let next = neighbours[cell][corners[(i + 2) % 3]];

@@ -57,6 +57,9 @@ const IN_FRONT: f64 = 1e-3;
 const NARROW: f64 = 1e-3;
 
 impl Projected {
+    /// Bytes that each vertex takes, with its gradient.
+    pub(crate) const BYTES_PER_VERTEX: usize = size_of::<ScreenVertex>() + size_of::<ScreenGradient>();
+
     /// The mesh in a view; `None` if part of it is beside or behind the eye, or if its values need more digits.
     pub(crate) fn new<const N: usize>(
         mesh: &CellMesh,

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use vr_core::image_order::{ImageSample, trace_pixels, trace_view};
+use vr_core::memory;
 use vr_core::{
     CellMesh, Control, Counts, Layer, Model, Prepared, Ray, RenderError, RenderStats, Rendered, Scene, View,
 };
 
 use crate::accumulators::{Seen, is_whole_light};
-use crate::camera_space::CameraSpace;
+use crate::camera_space::{CameraSpace, CameraVertex};
 use crate::capabilities::needs_gradients;
 use crate::entries::{Entries, SurfaceFace, surface};
 use crate::medium::{ExtinctionTable, Medium};
@@ -61,6 +62,8 @@ impl PreparedProjector {
     ) -> Result<Vec<Seen>, RenderError> {
         let scene = &self.scene;
         let camera = CameraSpace::new(view)?;
+        let bytes = self.mesh.vertices().len() * size_of::<CameraVertex<N>>();
+        memory::check("the mesh of cells before the camera", bytes as u64)?;
         let vertices = stats.time("vertices", || camera.vertices::<N>(&self.mesh));
         let entries = stats.time("entries", || Entries::new(&self.surface, &self.mesh, &vertices, view));
         let walker = Walker::new(&self.mesh, &vertices, &entries);

@@ -61,6 +61,13 @@ pub(super) struct ScreenMesh<'a> {
 }
 
 impl<'a> ScreenMesh<'a> {
+    /// Bytes that each vertex takes.
+    pub(super) const BYTES_PER_VERTEX: usize = size_of::<ScreenVertex>();
+
+    /// Bytes that each cell takes: the place of its own value, its range and the sides that are seen; and its extent, meanwhile.
+    pub(super) const BYTES_PER_CELL: usize =
+        size_of::<f64>() + size_of::<[f32; 2]>() + size_of::<Facing>() + size_of::<f32>();
+
     /// The mesh on a screen; `place` tells where in a table a value stands.
     pub(super) fn new(
         mesh: &'a CellMesh,

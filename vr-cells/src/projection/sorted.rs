@@ -2,10 +2,11 @@
 
 use fearless_simd::Level;
 use vr_core::image_order::in_parallel;
+use vr_core::memory;
 use vr_core::{Control, Layer, Projection, Rays, RenderError, RenderStats, Scene, View};
 
 use crate::accumulators::Seen;
-use crate::camera_space::CameraSpace;
+use crate::camera_space::{CameraSpace, CameraVertex};
 use crate::entries::SurfaceFace;
 use crate::tile_lists::{TileLists, TileRange, each_tile};
 
@@ -39,7 +40,7 @@ impl SortedScene<'_> {
     /// Draws a view; `None` if no tile can be drawn so.
     ///
     /// # Errors
-    /// [`RenderError::Cancelled`].
+    /// [`RenderError::Cancelled`]; [`RenderError::Memory`] for a mesh that is too large.
     pub(super) fn draw(
         &self,
         view: &View,
@@ -51,6 +52,10 @@ impl SortedScene<'_> {
         let Some(mesh) = self.scene.volume.cells() else { return Ok(None) };
         let screen = Screen::new(view, tiling.per_pixel, mesh.mean_spacing());
         let camera = CameraSpace::new(view)?;
+        let of_cell = ScreenMesh::BYTES_PER_CELL + Visibility::BYTES_PER_CELL + size_of::<CellBox>();
+        let of_vertex = size_of::<CameraVertex<1>>() + ScreenMesh::BYTES_PER_VERTEX;
+        let bytes = mesh.cells().len() * of_cell + mesh.vertices().len() * of_vertex;
+        memory::check("the mesh of cells on the screen", bytes as u64)?;
         let vertices = stats.time("vertices", || camera.vertices::<1>(mesh));
         let is_behind = vertices.iter().any(|v| v.at[2] < 0.0);
         let on_screen = stats.time("screen", || {

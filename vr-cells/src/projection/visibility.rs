@@ -23,6 +23,9 @@ fn behind(pairs: &Pairs, cell: u32) -> impl Iterator<Item = u32> + '_ {
 }
 
 impl Visibility {
+    /// Bytes that each cell takes: its place in the order, the number of cells before it, and its place among those that are free.
+    pub(super) const BYTES_PER_CELL: usize = 3 * size_of::<u32>();
+
     /// Sorts the cells of a mesh, of which some pairs are known besides those that share faces.
     pub(super) fn new(mesh: &ScreenMesh<'_>, pairs: &Pairs) -> Self {
         let neighbours = mesh.mesh.neighbours();

@@ -6,5 +6,6 @@ mod checks;
 mod exact;
 mod eye_inside;
 mod march_steep;
+mod memory;
 mod meshes;
 mod project_order;

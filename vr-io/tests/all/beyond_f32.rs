@@ -112,6 +112,19 @@ fn points_and_inline_numbers_are_refused_by_their_place() {
     std::fs::write(&path, "x,y,z,value\n0,0,0,1\n1,1,1,1e300\n").unwrap();
     let error = read_points(&path, &Default::default()).map(drop).unwrap_err().to_string();
     assert!(error.contains("1e300") && error.contains("below 3.4e38"), "{error}");
+    // An array of N×3 has positions alone, in f64: those within 10³⁰ are kept to the last digit, and others are refused by the number of the point.
+    let points = |far: f64| {
+        let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }\n";
+        let numbers = [0.0, 0.25, 0.5, 1.0, far, 2.0].map(f64::to_le_bytes).concat();
+        let bytes =
+            [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), &numbers].concat();
+        let path = folder.path().join("x.npy");
+        std::fs::write(&path, bytes).unwrap();
+        read_points(&path, &Default::default()).map_err(|e| e.to_string())
+    };
+    assert_eq!(points(1.0 + 1e-12).unwrap().points.positions()[1].y, 1.0 + 1e-12);
+    let error = points(1e300).map(drop).unwrap_err();
+    assert!(error.contains("x.npy") && error.contains("point 1") && error.contains("1e300"), "{error}");
     let scene = parse_scene("[volume]\ndata = [0, 1, 2, 3, 4, 5, 6, 1e300]\ndims = [2, 2, 2]\n", "x.toml".as_ref());
     let error = vr_io::resolve_scene(&scene.unwrap(), "x.toml".as_ref()).map(drop).unwrap_err().to_string();
     assert!(error.contains("volume.data[7]") && error.contains("1e300"), "{error}");

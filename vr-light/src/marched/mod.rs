@@ -14,6 +14,7 @@ pub(crate) use shadow_map::is_beside;
 use std::sync::Arc;
 
 use glam::DVec3;
+use vr_core::cancel::{self, SparsePoll};
 use vr_core::{Clip, Control, FacetHit, Ray, RenderError, Scene};
 
 use crate::boundary::TracedSurfaces;
@@ -106,6 +107,7 @@ impl MarchedScattering {
 
     /// Light along a ray, front to back.
     pub fn along(&self, ray: &Ray) -> MarchedLight {
+        cancel::poll();
         let hit = self.surfaces.as_ref().and_then(|surfaces| surfaces.nearest(ray, None));
         let surface = hit.map_or(f64::INFINITY, |hit| hit.distance);
         let mut light = MarchedLight { radiance: [0.0; 3], depth: 0.0, half_way: f64::INFINITY, surface, samples: 0 };
@@ -114,10 +116,12 @@ impl MarchedScattering {
         let shares: Vec<f64> =
             self.lamps.iter().map(|lamp| 0.25 * phase.value(ray.direction.dot(lamp.towards))).collect();
         let back = 0.25 * phase.value(-1.0);
+        let mut poll = SparsePoll::default();
         for stretch in Walk::new(self.medium.grid(), ray, surface).filter(|s| s.cell.rate > 0.0 && s.end > s.start) {
             let steps = ((stretch.end - stretch.start) / self.step).ceil().max(1.0);
             let length = (stretch.end - stretch.start) / steps;
             for i in 0..steps as u64 {
+                poll.turn();
                 let distance = stretch.start + (i as f64 + 0.5) * length;
                 self.step(ray, distance, length, &shares, back, &mut light);
                 if light.depth > DEEPEST {

@@ -28,6 +28,7 @@ mod ray_light;
 mod shadow_volume;
 mod surface_light;
 
+use vr_core::cancel;
 use vr_core::scattering::Scattering;
 use vr_core::{Camera, Clip, Feature, Light, ParameterError, Ray, RenderError, Scene, Unsupported, View};
 use vr_physics::{MIN_TOLERANCE, Reference};
@@ -153,6 +154,8 @@ impl SingleScattering {
 
     /// Share of the light from a direction that reaches the origin of a ray towards it, and the share's error. The ray may leave a facet.
     fn transmittance(&self, towards: &Ray, leaving: Option<u32>) -> Result<[f64; 2], RenderError> {
+        // A ray from the eye takes thousands of these.
+        cancel::poll();
         if self.is_hidden(towards, leaving) {
             return Ok([0.0; 2]);
         }

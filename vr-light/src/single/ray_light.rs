@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use vr_core::{Ray, RenderError};
+use vr_core::{Ray, RenderError, cancel};
 use vr_physics::{Certainty, RaySegment};
 
 use super::SingleScattering;
@@ -85,6 +85,7 @@ impl SingleScattering {
 
     /// Light and optical depth of the medium along a ray, up to a world distance.
     fn medium_light(&self, ray: &Ray, far: f64) -> Result<RayLight, RenderError> {
+        cancel::poll();
         let ends: &[f64] = if far.is_finite() { &[far] } else { &[] };
         let mut segments = self.reference.segments(&self.scene, &self.view, ray, ends)?;
         segments.retain(|segment| segment.to <= far + 1e-9 * (segment.to - segment.from));

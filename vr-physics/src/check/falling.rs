@@ -1,11 +1,12 @@
 //! Errors that fall as steps get shorter, over scenes of every kind.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 
 use proptest::strategy::{Strategy, ValueTree};
 use vr_core::{Configurable, Control, Model, OptionError, Options, RenderError, Renderer};
 
-use super::drawn::{ReferencePixels, draw};
+use super::drawn::{ReferencePixels, SceneName, Solution, draw, solve_once};
 use super::effort::Effort;
 use super::outcome::CheckFailure;
 use super::strategies::Kind;
@@ -125,8 +126,13 @@ impl std::fmt::Display for Fall {
 impl Ladder {
     /// Draws a scene at all steps and judges it.
     pub fn judge(&self, test: &TestScene, reference: &Reference) -> Fall {
+        self.judge_by(test, &|| Ok(ReferencePixels::solve(reference, test, &Model::Canonical)?.map(Arc::new)))
+    }
+
+    /// The same with the reference that `solve` gives.
+    fn judge_by(&self, test: &TestScene, solve: &dyn Fn() -> Result<Solution, RenderError>) -> Fall {
         // Nothing that a panic leaves half done is used afterwards.
-        match catch_unwind(AssertUnwindSafe(|| self.errors(test, reference))) {
+        match catch_unwind(AssertUnwindSafe(|| self.errors(test, solve))) {
             Ok(Ok(Some((errors, uncertainty)))) => self.weigh(errors, uncertainty),
             Ok(Ok(None)) => Fall::Unjudged,
             Ok(Err(RenderError::Unsupported { .. })) => Fall::Refused,
@@ -146,11 +152,15 @@ impl Ladder {
     }
 
     /// The errors, and how uncertain the reference is; `None` if that is above the floor.
-    fn errors(&self, test: &TestScene, reference: &Reference) -> Result<Option<([f64; 3], f64)>, RenderError> {
+    fn errors(
+        &self,
+        test: &TestScene,
+        solve: &dyn Fn() -> Result<Solution, RenderError>,
+    ) -> Result<Option<([f64; 3], f64)>, RenderError> {
         let frame = |r: &dyn Renderer| draw(r, test, &Control::default());
         // Most scenes that are refused are refused by all steps: known before the reference has any work.
         let first = frame(&*self.levels[0][0])?;
-        let Some(expected) = ReferencePixels::solve(reference, test, &Model::Canonical)? else { return Ok(None) };
+        let Some(expected) = solve()? else { return Ok(None) };
         if expected.uncertainty.is_nan() || expected.uncertainty > self.falling.floor {
             return Ok(None);
         }
@@ -254,10 +264,21 @@ pub fn survey_kind(
     reference: &Reference,
     mut show: impl FnMut(u64, &TestScene, &Fall),
 ) -> KindFall {
+    survey(ladder, kind, seeds, |_, test| ladder.judge(test, reference), &mut show)
+}
+
+/// Puts the scenes that some seeds draw through `judge`.
+fn survey(
+    ladder: &Ladder,
+    kind: Kind,
+    seeds: std::ops::Range<u64>,
+    judge: impl Fn(u64, &TestScene) -> Fall,
+    show: &mut dyn FnMut(u64, &TestScene, &Fall),
+) -> KindFall {
     let mut table = KindFall::new(kind);
     for seed in seeds {
         let test = kind.draw(seed);
-        let fall = ladder.judge(&test, reference);
+        let fall = judge(seed, &test);
         table.count(seed, &fall);
         show(seed, &test, &fall);
     }
@@ -287,7 +308,10 @@ pub fn errors_fall(
     let mut tables = Vec::new();
     for &kind in effort.kinds.as_deref().unwrap_or(&Kind::ALL) {
         let mut broken = None;
-        let table = survey_kind(&ladder, kind, seeds.clone(), &effort.reference, |seed, _, fall| {
+        let judge = |seed: u64, test: &TestScene| {
+            ladder.judge_by(test, &|| solve_once(&effort.reference, SceneName::Drawn(kind, seed), test))
+        };
+        let table = survey(&ladder, kind, seeds.clone(), judge, &mut |seed, _, fall| {
             if broken.is_none() && fall.falls_short() {
                 broken = Some(seed);
             }

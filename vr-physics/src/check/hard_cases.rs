@@ -2,9 +2,9 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use vr_core::{Control, DocumentedError, Model, RenderError, Renderer};
+use vr_core::{Control, DocumentedError, RenderError, Renderer};
 
-use super::drawn::{ReferencePixels, draw};
+use super::drawn::{SceneName, draw, solve_once};
 use super::outcome::CheckFailure;
 use super::test_scene::TestScene;
 use crate::cases::{self, Case};
@@ -113,8 +113,8 @@ fn judge(
     if bound.value() == f64::INFINITY {
         return Ok(result(CaseOutcome::Unjudged, f64::INFINITY));
     }
-    let expected =
-        ReferencePixels::solve(reference, test, &Model::Canonical).map_err(|e| format!("the reference fails: {e}"))?;
+    let expected = solve_once(reference, SceneName::Case(case.name), test);
+    let expected = expected.map_err(|e| format!("the reference fails: {e}"))?;
     let Some(expected) = expected else { return Ok(result(CaseOutcome::Unjudged, f64::INFINITY)) };
     let metrics = Metrics::of(&expected.pixels, frame.pixels());
     if bound.choose(metrics.max, metrics.rmse) <= bound.value() + expected.uncertainty {

@@ -24,9 +24,11 @@ pub fn update_is_prepare(renderer: &dyn Renderer, effort: &Effort) -> Result<Rep
     effort.over("an update is a new preparation", renderer, effort.any_scene(), |test| {
         let mut prepared = renderer.prepare(&test.scene, &control)?;
         prepared.render(&test.view, &control)?;
+        // The scene itself comes again and again.
+        let own = draw(renderer, test, &control)?;
         for (what, scene) in changes(test) {
             let changed = TestScene { scene, view: test.view.clone() };
-            let fresh = draw(renderer, &changed, &control);
+            let fresh = if what == OWN { Ok(own.clone()) } else { draw(renderer, &changed, &control) };
             let updated =
                 prepared.update(&changed.scene, &control).and_then(|()| prepared.render(&changed.view, &control));
             match (fresh, updated) {
@@ -53,6 +55,9 @@ pub fn update_is_prepare(renderer: &dyn Renderer, effort: &Effort) -> Result<Rep
     })
 }
 
+/// The scene itself, among its changes.
+const OWN: &str = "after changes, and back";
+
 /// The scene with one field changed after the other, itself in between.
 fn changes(test: &TestScene) -> Vec<(&'static str, Scene)> {
     let scene = &test.scene;
@@ -67,7 +72,7 @@ fn changes(test: &TestScene) -> Vec<(&'static str, Scene)> {
     let filtered = |filter| scene.with_filter(filter);
     let middle = (0.5 * (scene.volume.bounds().0 + scene.volume.bounds().1) - test.view.camera.eye).length() as f32;
     let walled = FixedLayer::new(&test.view, |i| ([0.2, 0.4, 0.6], if i % 3 == 0 { f32::INFINITY } else { middle }));
-    let own = || ("after changes, and back", scene.clone());
+    let own = || (OWN, scene.clone());
     vec![
         ("after another transfer function", with_emission_times(test, |i| 0.5 * (i + 1) as f64).scene),
         ("after another unit distance", {

@@ -35,14 +35,12 @@ fn local() -> (RayCaster, Falling) {
 }
 
 #[test]
-fn errors_fall_with_the_step() {
+fn errors_of_the_plain_engine_fall_with_the_step() {
     errors_of(&[exact()], &Kind::ALL);
-    let smooth = [Kind::Plain, Kind::Opaque, Kind::GradientOpacity, Kind::Lights];
-    errors_of(&[uniform(), local()], &smooth);
 }
 
 #[test]
-fn errors_fall_with_the_step_whatever_is_hard() {
+fn errors_of_the_vector_engine_fall_with_the_step() {
     errors_of(&[uniform(), local()], &Kind::ALL);
 }
 

@@ -17,39 +17,26 @@ fn few(kinds: &[Kind]) -> Effort {
     Effort { reference: Reference::new(1e-6), ..Effort::cases(40) }.of_kinds(kinds)
 }
 
-fn errors_of(kinds: &[Kind]) {
+#[test]
+fn errors_fall_with_the_step_whatever_is_hard() {
     // Sheets are no closer than 0.02. Tables of some thousand entries, and rounding.
     let falling = Falling { ratio: 6.0, floor: 3e-4, ..Falling::new("slice-distance") };
-    for table in errors_fall(&Splatter::default(), &falling, &few(kinds)).unwrap_or_else(|e| panic!("{e}")) {
+    for table in errors_fall(&Splatter::default(), &falling, &few(&Kind::ALL)).unwrap_or_else(|e| panic!("{e}")) {
         println!("{table}");
     }
 }
 
 #[test]
-fn errors_fall_with_the_step() {
-    errors_of(&[Kind::Plain, Kind::Spikes, Kind::Opaque, Kind::GradientOpacity, Kind::Lights]);
-}
-
-#[test]
-fn errors_fall_with_the_step_whatever_is_hard() {
-    errors_of(&Kind::ALL);
-}
-
-fn agrees_with_its_model_on(kinds: &[Kind]) {
+fn agrees_with_its_model_whatever_is_hard() {
     for renderer in [Splatter::default(), voxels(Buffers::Image, Shape::Gaussian)] {
         // Under the other operators the model is the scene itself, which errors fall towards.
         let bound = |scene: &Scene, _: &View| {
             if scene.compositing == Compositing::Over { 3e-4 } else { f64::INFINITY }
         };
-        let effort = Effort { cases: 120, ..few(kinds) };
-        let report = agrees_with_its_model(&renderer, scene_of(kinds), bound, &effort);
+        let effort = Effort { cases: 120, ..few(&Kind::ALL) };
+        let report = agrees_with_its_model(&renderer, scene_of(&Kind::ALL), bound, &effort);
         println!("{}", report.unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
     }
-}
-
-#[test]
-fn agrees_with_its_model_whatever_is_hard() {
-    agrees_with_its_model_on(&Kind::ALL);
 }
 
 #[test]

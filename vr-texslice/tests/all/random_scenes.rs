@@ -14,30 +14,23 @@ fn few(kinds: &[Kind]) -> Effort {
     Effort { reference: Reference::new(1e-6), ..Effort::cases(40) }.of_kinds(kinds)
 }
 
-fn errors_of(kinds: &[Kind]) {
+#[test]
+fn errors_fall_with_the_step_whatever_is_hard() {
     let planes = TextureSlicer::default();
     let shells = TextureSlicer { proxy: Proxy::Shells, ..TextureSlicer::default() };
     let pre_integrated = TextureSlicer { format: Format::PreIntegrated, ..TextureSlicer::default() };
     for renderer in [planes, shells, pre_integrated] {
         // Tables of some thousand entries, and rounding.
         let falling = Falling { floor: 3e-4, ..Falling::new("slice-distance") };
-        for table in errors_fall(&renderer, &falling, &few(kinds)).unwrap_or_else(|e| panic!("{renderer:?}: {e}")) {
+        let tables = errors_fall(&renderer, &falling, &few(&Kind::ALL));
+        for table in tables.unwrap_or_else(|e| panic!("{renderer:?}: {e}")) {
             println!("{table}");
         }
     }
 }
 
 #[test]
-fn errors_fall_with_the_step() {
-    errors_of(&[Kind::Plain, Kind::Spikes, Kind::Opaque, Kind::GradientOpacity, Kind::Lights]);
-}
-
-#[test]
-fn errors_fall_with_the_step_whatever_is_hard() {
-    errors_of(&Kind::ALL);
-}
-
-fn agrees_with_its_model_on(kinds: &[Kind]) {
+fn agrees_with_its_model_whatever_is_hard() {
     let of = |format| TextureSlicer { format, ..TextureSlicer::default() };
     let stacks = FORMATS.map(|format| TextureSlicer { proxy: Proxy::Stacks, ..of(format) });
     // Random scenes are of colours, which luminance does not hold; where all is grey, it is the same as RGBA (capabilities.rs).
@@ -55,18 +48,13 @@ fn agrees_with_its_model_on(kinds: &[Kind]) {
         let bound = |scene: &Scene, _: &View| {
             if scene.compositing == Compositing::Over { 2e-4 } else { f64::INFINITY }
         };
-        let effort = Effort { cases: 120, ..few(kinds) };
-        let report = agrees_with_its_model(&renderer, scene_of(kinds), bound, &effort);
+        let effort = Effort { cases: 120, ..few(&Kind::ALL) };
+        let report = agrees_with_its_model(&renderer, scene_of(&Kind::ALL), bound, &effort);
         println!("{}", report.unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
-        let rows = scene_of(kinds).prop_map(by_slope);
+        let rows = scene_of(&Kind::ALL).prop_map(by_slope);
         let report = agrees_with_its_model(&renderer, rows, bound, &Effort { cases: 40, ..effort });
         println!("by slope: {}", report.unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
     }
-}
-
-#[test]
-fn agrees_with_its_model_whatever_is_hard() {
-    agrees_with_its_model_on(&Kind::ALL);
 }
 
 #[test]
