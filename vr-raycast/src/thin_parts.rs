@@ -1,5 +1,7 @@
 //! Visible parts of a volume so thin that rays some pixels apart pass on both sides of them.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::parallel::collect;
@@ -24,6 +26,8 @@ pub(crate) struct ThinParts {
 const MOST: u32 = 16;
 /// Opacity of a voxel's length from which on a part counts: fainter ones change a picture by less than adaptive rays do.
 const FAINT: f64 = 0.02;
+/// Opacity of a voxel's length that a thin part has in its middle: what is fainter is found by its neighbours, or hardly shows.
+const STRONG: f64 = 0.1;
 /// Pixels of a voxel from which on nothing is thin: two voxels, the width of a dot, are then as far apart as the first rays.
 const WIDE: f64 = 0.5 * TILE as f64 * std::f64::consts::SQRT_2;
 
@@ -34,8 +38,8 @@ impl ThinParts {
     /// Finds the thin parts of a grid under the scene's transfer function.
     pub(crate) fn new(scene: &Scene, volume: &GridVolume) -> Self {
         let levels = LevelRanges::of_volume(volume);
-        let codes = Codes::new(scene, volume, &levels);
-        let blocks = volume.with_lattice(Search { codes: &codes, levels: &levels });
+        let [faint, strong] = [FAINT, STRONG].map(|opacity| Codes::new(scene, volume, &levels, opacity));
+        let blocks = volume.with_lattice(Search { faint: &faint, strong: &strong, levels: &levels });
         Self { placement: *volume.placement(), blocks }
     }
 
@@ -47,7 +51,7 @@ impl ThinParts {
         let projection = Projection::new(view, &self.placement)?;
         let half = 0.5 * Self::EDGE as f64;
         let stencil = projection.stencil(DVec3::splat(half + 1.0));
-// Seen along a diagonal, a block is longer by √3; and it may begin anywhere in a tile.
+        // Seen along a diagonal, a block is longer by √3; and it may begin anywhere in a tile.
         let longest = (Self::EDGE as f64 + 2.0) * libm::sqrt(3.0) * WIDE / f64::from(TILE);
         let tiles_of_wide = longest.ceil() as u32 + 1;
         let mut tiles = Vec::new();
@@ -78,17 +82,18 @@ struct Codes {
 const LEVELS: usize = LevelRanges::LAST as usize + 1;
 
 impl Codes {
-    fn new(scene: &Scene, volume: &GridVolume, levels: &LevelRanges) -> Self {
-        // The opacity per unit distance that makes a voxel's length no longer faint.
+    /// Makes the codes of what a voxel's length of has at least an opacity.
+    fn new(scene: &Scene, volume: &GridVolume, levels: &LevelRanges, opacity: f64) -> Self {
+        // The opacity per unit distance that makes a voxel's length so opaque.
         let voxel = volume.placement().spacing().min_element();
-        let optical_depth = -libm::log1p(-FAINT);
-        let (mut faint, mut strong) = (0.0, 1.0);
+        let optical_depth = -libm::log1p(-opacity);
+        let (mut less, mut more) = (0.0, 1.0);
         for _ in 0..40 {
-            let middle = 0.5 * (faint + strong);
-            let is_faint = scene.transfer.extinction(middle) * voxel < optical_depth;
-            *if is_faint { &mut faint } else { &mut strong } = middle;
+            let middle = 0.5 * (less + more);
+            let is_less = scene.transfer.extinction(middle) * voxel < optical_depth;
+            *if is_less { &mut less } else { &mut more } = middle;
         }
-        let values = VisibleValues::above(&scene.transfer, faint);
+        let values = VisibleValues::above(&scene.transfer, less);
         let at = |level: usize| volume.calibration().value(levels.stored(level as u8));
         let mut codes = [0u8; LEVELS];
         for i in 0..LEVELS {
@@ -112,32 +117,50 @@ impl Codes {
         // `as` saturates, and takes NaN for 0.
         self.codes[usize::from(((stored - self.low) * self.levels_per_value + 0.5) as u8)]
     }
+
+    /// True if a voxel is visible, or the field on the way to the next one along any axis: it may pass what is visible between two voxels that are not.
+    fn is_seen<T: Voxel>(&self, lattice: &Lattice<'_, T>, at: [usize; 3]) -> bool {
+        let code = |[x, y, z]: [usize; 3]| self.of(lattice.samples[lattice.offset(x, y, z)].to_f32());
+        let here = code(at);
+        let passes = |a: usize| {
+            let mut next = at;
+            next[a] += 1;
+            next[a] < lattice.dims[a] && code(next) != here
+        };
+        here % 2 == 1 || (0..3).any(passes)
+    }
 }
 
 /// Search for blocks with thin parts.
 struct Search<'a> {
-    codes: &'a Codes,
+    /// Codes of what counts at all, and of what a thin part must reach.
+    faint: &'a Codes,
+    strong: &'a Codes,
     levels: &'a LevelRanges,
 }
 
-/// Voxels beyond a block that decide whether something in it is thin.
+/// Voxels beyond a box that decide whether something in it is thin.
 const RIM: usize = 2;
+/// Blocks along y and z that are looked at together: voxels beside them are looked at once more by the neighbours.
+const GROUP: usize = 4;
 
 impl LatticeVisitor for Search<'_> {
     type Output = Vec<[u16; 3]>;
 
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output {
-        let [across, down, deep] = self.levels.blocks();
+        let blocks = self.levels.blocks();
+        let [_, down, deep] = blocks.map(|n| n.div_ceil(GROUP));
         let row = |row: usize| {
-            let (y, z) = (row % down, row / down);
-            let is_mixed = |x: usize| self.is_mixed(row * across + x);
+            let group = [row % down, row / down];
+            let [ys, zs] = [1, 2].map(|a| group[a - 1] * GROUP..((group[a - 1] + 1) * GROUP).min(blocks[a]));
+            let is_mixed = |x: usize| zs.clone().any(|z| ys.clone().any(|y| self.is_mixed([x, y, z])));
             let mut found = Vec::new();
             let mut x = 0;
-            while x < across {
+            while x < blocks[0] {
                 // A run of blocks is looked at as one.
-                let end = (x..across).find(|&x| !is_mixed(x)).unwrap_or(across);
+                let end = (x..blocks[0]).find(|&x| !is_mixed(x)).unwrap_or(blocks[0]);
                 if end > x {
-                    self.search([x, end], [y, z], &lattice, |x| found.push([x, y, z].map(|b| b as u16)));
+                    self.search([x..end, ys.clone(), zs.clone()], &lattice, &mut found);
                 }
                 x = end + 1;
             }
@@ -149,39 +172,36 @@ impl LatticeVisitor for Search<'_> {
 
 impl Search<'_> {
     /// True if something in a block is visible, and something is not.
-    fn is_mixed(&self, block: usize) -> bool {
-        let [low, high] = self.levels.ranges()[block];
-        let codes = |level: u8| self.codes.codes[usize::from(level)];
-        low <= high && codes(low) != codes(high)
+    fn is_mixed(&self, [x, y, z]: [usize; 3]) -> bool {
+        let [across, down, _] = self.levels.blocks();
+        let [low, high] = self.levels.ranges()[(z * down + y) * across + x];
+        let code = |level: u8| self.faint.codes[usize::from(level)];
+        low <= high && code(low) != code(high)
     }
 
-    /// Calls `each` with the x of the blocks of a run, `end` excluded, in which something is thin.
-    fn search<T: Voxel>(
-        &self,
-        [first, end]: [usize; 2],
-        [y, z]: [usize; 2],
-        lattice: &Lattice<'_, T>,
-        each: impl FnMut(usize),
-    ) {
-        let blocks = self.levels.blocks();
-        let runs = [[first, end], [y, y + 1], [z, z + 1]];
-        // The voxels of the run; the last blocks have the last voxels, too.
-        let voxels: [[usize; 2]; 3] = std::array::from_fn(|a| {
-            let end = if runs[a][1] == blocks[a] { lattice.dims[a] } else { runs[a][1] * ThinParts::EDGE };
-            [runs[a][0] * ThinParts::EDGE, end]
+    /// Adds the blocks of a box of blocks in which something is thin.
+    fn search<T: Voxel>(&self, blocks: [Range<usize>; 3], lattice: &Lattice<'_, T>, found: &mut Vec<[u16; 3]>) {
+        let all = self.levels.blocks();
+        // The last blocks have the last voxels, too.
+        let voxels: [Range<usize>; 3] = std::array::from_fn(|a| {
+            let end = if blocks[a].end == all[a] { lattice.dims[a] } else { blocks[a].end * ThinParts::EDGE };
+            blocks[a].start * ThinParts::EDGE..end
         });
-        let seen = SeenVoxels::new(self.codes, lattice, voxels);
-        let mut thin = vec![false; end - first];
-        for z in voxels[2][0]..voxels[2][1] {
-            for y in voxels[1][0]..voxels[1][1] {
+        let seen = SeenVoxels::new(self.faint, lattice, &voxels);
+        let mut thin = Vec::new();
+        for z in voxels[2].clone() {
+            for y in voxels[1].clone() {
                 seen.each_thin([y, z], |x| {
-                    if (voxels[0][0]..voxels[0][1]).contains(&x) {
-                        thin[(x / ThinParts::EDGE).min(end - 1) - first] = true;
+                    if voxels[0].contains(&x) && self.strong.is_seen(lattice, [x, y, z]) {
+                        let at = [x, y, z];
+                        thin.push(std::array::from_fn(|a| (at[a] / ThinParts::EDGE).min(all[a] - 1) as u16));
                     }
                 });
             }
         }
-        (first..end).filter(|x| thin[x - first]).for_each(each);
+        thin.sort_unstable();
+        thin.dedup();
+        found.append(&mut thin);
     }
 }
 
@@ -194,9 +214,9 @@ struct SeenVoxels {
 
 impl SeenVoxels {
     /// Looks at the voxels of a box, ends excluded, and those around it as far as they count.
-    fn new<T: Voxel>(codes: &Codes, lattice: &Lattice<'_, T>, voxels: [[usize; 2]; 3]) -> Self {
-        let first = voxels.map(|[first, _]| first.saturating_sub(RIM));
-        let dims: [usize; 3] = std::array::from_fn(|a| (voxels[a][1] + RIM).min(lattice.dims[a]) - first[a]);
+    fn new<T: Voxel>(codes: &Codes, lattice: &Lattice<'_, T>, voxels: &[Range<usize>; 3]) -> Self {
+        let first: [usize; 3] = std::array::from_fn(|a| voxels[a].start.saturating_sub(RIM));
+        let dims: [usize; 3] = std::array::from_fn(|a| (voxels[a].end + RIM).min(lattice.dims[a]) - first[a]);
         // One more along each axis, to which the ways of the last lead; beyond the volume, the last voxel again.
         let [wide, high, deep] = dims.map(|n| n + 1);
         let clamped = |a: usize, i: usize| (first[a] + i).min(lattice.dims[a] - 1);
