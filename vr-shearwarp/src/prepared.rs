@@ -26,14 +26,14 @@ use crate::isosurface::Isosurface;
 use crate::jobs::{Job, Lighting, OverJob, SteepMedium, warp_rows};
 use crate::memory::EncodedSize;
 use crate::model::SlicedModel;
-use crate::passes::{Pass, passes};
+use crate::passes::{Pass, TexelLattice, passes};
 use crate::ray_distances::RayDistances;
 use crate::reflections::{Reflection, table};
 use crate::region::Region;
 use crate::shear_warp::ShearWarp;
 use crate::sheet;
 use crate::shown::Shown;
-use crate::slices::Slices;
+use crate::slices::{Sampling, Slices};
 use crate::steepness::samples_filter_gradients;
 use crate::surface_depths::SurfaceDepths;
 use crate::warp::{DepthWarp, Texture, Warp};
@@ -95,7 +95,7 @@ impl PreparedShearWarp {
         }
         let volume = &*self.volume;
         control.check()?;
-        let rule = self.classified.rule(&self.renderer, &self.scene);
+        let rule = self.classified.rule(&self.renderer, &self.scene, self.volume.filter());
         let whole = &mut self.whole;
         let encoded = control.run(|| {
             let encoder = Encoder {
@@ -163,12 +163,13 @@ impl Prepared for PreparedShearWarp {
         let layer = self.scene.layer(view, control)?;
         let mut stats = RenderStats::default();
         if let Some(region) = region {
-            for pass in passes(&index_view, region.corners(), last_sample(dims), self.renderer.texel)? {
+            let lattice = TexelLattice::of(&self.renderer, &volume);
+            for pass in passes(&index_view, region.corners(), last_sample(dims), lattice)? {
                 let axis = pass.factorization.axes[2];
                 stats.time("encode", || self.encode(axis, control))?;
-                let off_layers = samples_filter_gradients(&self.scene);
                 let spacing = self.renderer.slice_spacing();
-                let slices = Slices::new(pass.factorization, &region, dims[axis], spacing, off_layers);
+                let sampling = Sampling::of(&self.scene, &volume, spacing);
+                let slices = Slices::new(pass.factorization, &region, dims[axis], spacing, sampling);
                 let distances = RayDistances::new(&index_view, &pass.factorization);
                 let surfaces = layer.as_ref().map(|layer| SurfaceDepths::new(layer, view.size, &slices, &distances));
                 let surfaces = surfaces.as_ref();

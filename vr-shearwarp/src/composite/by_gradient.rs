@@ -163,8 +163,7 @@ impl<P: Code, const PRE_CLASSIFIED: bool> ByGradient<'_, P, PRE_CLASSIFIED> {
                 ];
                 let samples = of_depth(simd, transpose(rows), splat(simd, 1.0));
                 let samples = self.shading.shaded(simd, at, gradient, samples);
-                let along = if right == 0 { splat(simd, 1.0) - places.weight } else { places.weight };
-                let weight = along * edges.weights[e];
+                let weight = places.weight_of_voxels(simd, right) * edges.of_voxels[e];
                 for c in 0..4 {
                     sum[c] += samples[c] * weight;
                 }

@@ -5,6 +5,7 @@ mod checks;
 mod depths;
 mod first;
 mod gradients;
+mod nearest;
 mod random_scenes;
 mod shading;
 mod surfaces;
