@@ -102,7 +102,11 @@ mod tests {
                     let rise = radial.at(b.hypot(to)) - radial.at(b.hypot(from));
                     // Slopes by what there is of them, of either sign.
                     let scale = radial.at(b.hypot(from)).max(radial.at(b.hypot(to)));
-                    let errors = [(found[0] - want) / want, b * (found[1] - turn) / (b * turn).abs().max(scale), (found[2] - rise) / scale];
+                    let errors = [
+                        (found[0] - want) / want,
+                        b * (found[1] - turn) / (b * turn).abs().max(scale),
+                        (found[2] - rise) / scale,
+                    ];
                     for (worst, error) in worst.iter_mut().zip(errors) {
                         *worst = worst.max(error.abs());
                     }
