@@ -38,7 +38,7 @@ pub(crate) fn check(renderer: &ShearWarp, scene: &Scene) -> Result<Arc<GridVolum
     }
     let volume = scene
         .volume
-        .grid()
+        .value_grid()
         .ok_or_else(|| Unsupported::volume_kind(ShearWarp::NAME, &scene.volume, Unsupported::GRIDS))?;
     match volume.filter() {
         Filter::Trilinear => {}

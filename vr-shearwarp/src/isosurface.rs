@@ -57,14 +57,19 @@ impl Isosurface<'_> {
             // Codes of floats are rounded: the sample may not quite reach the threshold.
             (first + (last - first) * if rise > missing { missing / rise } else { 1.0 }, self.threshold)
         };
-        let [r, g, b] = self.scene.transfer.at(value).color;
+        let mut rgb = self.scene.transfer.at(value).color;
+        if let Some(colors) = self.scene.volume.colors() {
+            let tint = colors.color(seen.index(depth, self.volume.dims()));
+            rgb = std::array::from_fn(|c| rgb[c] * tint[c]);
+        }
+        let [r, g, b] = rgb;
         (self.shaded(seen, depth, [r, g, b, 1.0]), depth)
     }
 
     /// Shades the surface by the gradient at a depth.
     fn shaded(&self, seen: &Seen<'_>, depth: f64, rgba: [f64; 4]) -> [f64; 4] {
         let Some(shading) = self.scene.reflection() else { return rgba };
-        let index = self.index(seen, depth);
+        let index = seen.index(depth, self.volume.dims());
         let gradient = match shading.gradient {
             GradientMethod::CentralDifferences => self.volume.central_differences_at(index),
             GradientMethod::Analytic => self.volume.stored_and_gradient_at(index).1,
@@ -83,19 +88,6 @@ impl Isosurface<'_> {
     }
 
     fn stored(&self, seen: &Seen<'_>, depth: f64) -> f64 {
-        self.volume.stored_at(self.index(seen, depth))
-    }
-
-    /// Index-space position at a depth of a texel's ray, inside the box.
-    fn index(&self, seen: &Seen<'_>, depth: f64) -> [f64; 3] {
-        let f = &seen.slices.factorization;
-        let w = depth * f.sign;
-        let map = f.slice(w);
-        let [u, v] = [0, 1].map(|a| map.offset[a] + map.scale * seen.texel[a] as f64);
-        let mut index = [0.0; 3];
-        for (axis, at) in f.axes.into_iter().zip([u, v, w]) {
-            index[axis] = at.clamp(0.0, (self.volume.dims()[axis] - 1) as f64);
-        }
-        index
+        self.volume.stored_at(seen.index(depth, self.volume.dims()))
     }
 }

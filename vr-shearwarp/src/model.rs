@@ -162,6 +162,7 @@ impl SlicedModel {
                 for &(index, _, weight) in &corners {
                     let gradient = self.gradient(index);
                     let sample = self.step(calibration.value(stored(index)), gradient.length(), interpolated);
+                    let sample = self.tinted(sample, index.map(|i| i as f64));
                     let sample = lit(sample, self.reflection(gradient, along));
                     (0..4).for_each(|c| sum[c] += weight * sample[c]);
                 }
@@ -170,15 +171,17 @@ impl SlicedModel {
             Classification::Post => {
                 let value: f64 = corners.iter().map(|&(index, _, weight)| weight * stored(index)).sum();
                 // Where samples look at gradients, those are interpolated; else what normals reflect.
-                if samples_filter_gradients(&self.scene) || self.scene.has_gradient_opacity() {
+                let colored = self.scene.volume.colors().is_some();
+                if samples_filter_gradients(&self.scene) || self.scene.has_gradient_opacity() || colored {
+                    let mut at = [0.0; 3];
+                    (at[axes[0]], at[axes[1]], at[axes[2]]) = (uv.x, uv.y, slice.layer as f64 + between);
+                    let inside = std::array::from_fn(|a| at[a].clamp(0.0, (dims[a] - 1) as f64));
                     let gradient = if samples_filter_gradients(&self.scene) {
-                        let mut at = [0.0; 3];
-                        (at[axes[0]], at[axes[1]], at[axes[2]]) = (uv.x, uv.y, slice.layer as f64 + between);
                         self.world(volume.stored_and_gradient_at(at).1)
                     } else {
                         corners.iter().map(|&(index, weight, _)| weight * self.gradient(index)).sum()
                     };
-                    let sample = self.step(calibration.value(value), gradient.length(), length);
+                    let sample = self.tinted(self.step(calibration.value(value), gradient.length(), length), inside);
                     return lit(sample, self.reflection(gradient, along));
                 }
                 let (mut factor, mut added) = ([0.0; 3], [0.0; 3]);
@@ -189,6 +192,13 @@ impl SlicedModel {
                 lit(transfer.step(calibration.value(value), length), (factor, added))
             }
         }
+    }
+
+    /// Light in the colour of its place in index space, where voxels have colours.
+    fn tinted(&self, [r, g, b, alpha]: [f64; 4], at: [f64; 3]) -> [f64; 4] {
+        let Some(colors) = self.scene.volume.colors() else { return [r, g, b, alpha] };
+        let [x, y, z] = colors.color(at);
+        [r * x, g * y, b * z, alpha]
     }
 
     /// Light and opacity of a homogeneous step of the medium of a value and a length of the gradient.

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use vr_core::{
-    Calibration, Camera, Classification, Compositing, Control, ControlPoint, Filter, LatticeVisitor, Light, OpacityRule,
-    Placement, Plane, Projection, Renderer, Scene, Shading, TransferFunction, UniformGrid, View, Voxel,
+    Calibration, Camera, Classification, Compositing, Control, ControlPoint, Filter, LatticeVisitor, Light,
+    OpacityRule, Placement, Plane, Projection, Renderer, Scene, Shading, TransferFunction, UniformGrid, View, Voxel,
     gradient_at_sample,
 };
 

@@ -111,7 +111,8 @@ fn parallel_pass(view: &IndexView, [low, high]: [DVec3; 2], last: DVec3, lattice
     let mut seen = Rectangle::NOTHING;
     corners(view).into_iter().for_each(|c| seen.add((factorization.plane_of_screen() * c).truncate()));
     let spacing = (across(last, axis) / MIN_TEXELS).min(1.0) * lattice.texel;
-    framed(factorization, shadow.and(seen), last, (spacing, lattice.nearest)).map(|factorization| Pass { factorization, within: None })
+    framed(factorization, shadow.and(seen), last, (spacing, lattice.nearest))
+        .map(|factorization| Pass { factorization, within: None })
 }
 
 fn perspective_pass(
@@ -256,8 +257,13 @@ mod tests {
     fn parallel_rays_have_one_axis() {
         let all = |d: DVec3| {
             let middle = DVec3::new(10.0, 15.0, 20.0);
-            passes(&view(middle - 100.0 * d, middle, Projection::Orthographic { height: 60.0 }), BOX, BOX[1], lattice(1.0))
-                .unwrap()
+            passes(
+                &view(middle - 100.0 * d, middle, Projection::Orthographic { height: 60.0 }),
+                BOX,
+                BOX[1],
+                lattice(1.0),
+            )
+            .unwrap()
         };
         let near_x = all(DVec3::new(-1.0, 0.3, 0.4));
         assert_eq!((near_x.len(), near_x[0].factorization.axes, near_x[0].factorization.sign), (1, [1, 2, 0], -1.0));

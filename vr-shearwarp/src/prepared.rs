@@ -17,7 +17,8 @@ use crate::codes::Codes;
 use crate::composite::Scratch;
 use crate::composite::first::First;
 use crate::composite::gradients::{GradientShading, Gradients};
-use crate::composite::pick::Pick;
+use crate::composite::mean_color::MeanColor;
+use crate::composite::pick::{Pick, PickedLight};
 use crate::composite::ray_lights::RayLights;
 use crate::encode::Pyramid;
 use crate::factorization::IndexView;
@@ -107,6 +108,7 @@ impl PreparedShearWarp {
                 empty_space: self.renderer.empty_space,
                 shaded: Shown::of(&self.scene).normals,
                 steep: Shown::of(&self.scene).gradients,
+                colors: self.scene.volume.colors().map(|colors| &**colors),
             };
             encoder.encode(axis, whole)
         })?;
@@ -244,13 +246,25 @@ impl PreparedShearWarp {
                 Codewords::Words(voxels) => job.draw(&First { voxels, sign, threshold, surface }, image),
             };
         }
-        // Values are picked, and classified afterwards.
+        // Values are picked, and classified when all are known: an extreme with the colour of its place, a mean with that of the ray.
         if operator.picks() {
-            return match &axis.voxels.codes {
-                Codewords::Bytes(voxels) => job.draw(&Pick { voxels, operator }, image),
-                Codewords::Words(voxels) => job.draw(&Pick { voxels, operator }, image),
+            let (calibration, transfer, codes) = (self.volume.calibration(), &self.scene.transfer, &self.codes);
+            let of_code = |code: f64| transfer.at(calibration.value(codes.stored(code))).pixel();
+            let colors = self.scene.volume.colors().map(|colors| &**colors);
+            let light = PickedLight { of_code: &of_code, colors };
+            match &axis.voxels.codes {
+                Codewords::Bytes(voxels) => job.draw(&Pick { voxels, operator, light }, image)?,
+                Codewords::Words(voxels) => job.draw(&Pick { voxels, operator, light }, image)?,
             }
-            .map(|()| self.classify_picks(operator));
+            if operator == Operator::Average {
+                let means = image.texels().to_vec();
+                if colors.is_some() {
+                    let colors = axis.voxels.colors.each_ref().map(|channel| &channel[..]);
+                    job.draw(&MeanColor { colors }, image)?;
+                }
+                light.of_means(&means, image.texels_mut());
+            }
+            return Ok(());
         }
         // Light is composited, up to the level of accumulate.
         let optics = &self.classified.optics;
@@ -266,13 +280,17 @@ impl PreparedShearWarp {
             _ => Lighting::None,
         };
         let filter = samples_filter_gradients(&self.scene);
-        let steep = (filter || shown.gradients).then(|| SteepMedium {
+        let colors = self.scene.volume.colors().map(|_| axis.voxels.colors.each_ref().map(|channel| &channel[..]));
+        let steep = (filter || shown.gradients || colors.is_some()).then(|| SteepMedium {
             media: &self.classified.media,
             gradients: if filter {
                 Gradients::of_filter(gradient_matrix(&self.volume) * self.codes.spacing, f.axes)
-            } else {
+            } else if shown.gradients {
                 Gradients::OfVoxels(axis.voxels.gradients.each_ref().map(|component| &component[..]))
+            } else {
+                Gradients::None
             },
+            colors,
             shading: GradientShading::new(
                 (self.scene.reflection().map(|shading| &**shading), &self.scene.lights),
                 (index_view, f),
@@ -326,18 +344,6 @@ impl PreparedShearWarp {
             self.reflections = Some(ReflectionTable { shading, lights, direction, entries });
         }
         Ok(())
-    }
-
-    /// Turns the values of texels into light and opacity.
-    fn classify_picks(&mut self, operator: Operator) {
-        let (calibration, transfer, codes) = (self.calibration(), &self.scene.transfer, &self.codes);
-        for texel in self.image.texels_mut() {
-            let [value, weight, ..] = texel.map(f64::from);
-            if weight > 0.0 {
-                let code = if operator == Operator::Average { value / weight } else { value };
-                *texel = transfer.at(calibration.value(codes.stored(code))).pixel().map(|x| x as f32);
-            }
-        }
     }
 
     /// Resamples the intermediate image onto the screen: pixels, and world distances of what they show.

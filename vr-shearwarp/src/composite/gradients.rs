@@ -12,6 +12,8 @@ use crate::factorization::{Factorization, IndexView};
 
 /// Gradients in the world, in units of steepness.
 pub(crate) enum Gradients<'a> {
+    /// No sample looks at any.
+    None,
     /// Those of voxels, component by component in the order of the voxels, interpolated.
     OfVoxels([&'a [f32]; 3]),
     /// Those of the trilinear filter itself, by a matrix from differences of codes along u, v and w. Slices lie between layers.
@@ -35,6 +37,7 @@ impl Gradients<'_> {
         places: &Places<S>,
     ) -> [f32x16<S>; 3] {
         match self {
+            Self::None => [splat(simd, 0.0); 3],
             Self::OfVoxels([x, y, z]) => [
                 interpolated::<S, f32, N, UNIT>(simd, x, edges, places),
                 interpolated::<S, f32, N, UNIT>(simd, y, edges, places),
@@ -57,6 +60,7 @@ impl Gradients<'_> {
     #[inline(always)]
     pub(super) fn at_voxel(&self, voxel: usize) -> [f32; 3] {
         match self {
+            Self::None => [0.0; 3],
             Self::OfVoxels(components) => components.map(|c| c[voxel]),
             Self::OfFilter(_) => unreachable!("refused: around a voxel the filter's gradient jumps"),
         }
