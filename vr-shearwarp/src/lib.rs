@@ -93,7 +93,7 @@
 //! # The nearest voxels
 //! Under the filter nearest, slices hold values of the nearest voxels, or these as they are classified: the light is the same. Slices and texels lie where no
 //! voxel ends: half way between layers an even number of slices to a voxel has none, and texels a voxel wide stand on voxels. Where the field jumps, pictures are off
-//! over a texel's width: the RMSE falls by the order ½. Gradients are those of the voxels, interpolated as under every filter.
+//! over a texel's width: the RMSE falls by the order 1 of that. Gradients are those of the voxels, interpolated as under every filter.
 //!
 //! # Colours of voxels
 //! Values in slices have the colour of their place, interpolated as values are, and voxels that are classified first their own; light is multiplied by it before it reflects.

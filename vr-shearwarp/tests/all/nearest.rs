@@ -48,10 +48,10 @@ fn errors_fall_with_the_texel() {
                     [error(&renderer, &scene, &view).rmse, error_of_model(&renderer, &scene, &view).rmse]
                 });
                 println!("{classification:?}, {name}, {azimuth}: {errors:?}");
-                // Texels leave a texel's width of each jump, whose share of the picture falls by the order 1: half of that in the RMSE.
+                // Slices and texels leave a part of each jump as wide as they are: order 1 was measured, and 0.8 at the least.
                 assert!(errors[2][1] < errors[0][1] / 3.0, "{classification:?}, {name}, {azimuth}: {errors:?}");
-                // Voxels that are lit or faded by their own gradients stay so: the reference interpolates these.
-                if name == "plain" || classification == Classification::Post {
+                // Where light reflected at voxels is interpolated, or these are faded by their own gradients, an error stays: the reference interpolates gradients.
+                if name == "plain" || classification == Classification::Post && name != "shaded" {
                     assert!(errors[2][0] < errors[0][0] / 3.0, "{classification:?}, {name}, {azimuth}: {errors:?}");
                 }
             }
@@ -75,7 +75,7 @@ fn classification_before_and_after_are_one() {
 
 #[test]
 fn picked_values_are_those_of_voxels() {
-    let (_, scene) = looks().swap_remove(1);
+    let (_, scene) = looks().swap_remove(0);
     let operators = [
         Compositing::Maximum,
         Compositing::Minimum,
