@@ -5,7 +5,9 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 use vr_core::filter::Lattice;
 use vr_core::parallel::each_part;
-use vr_core::{AnyGrid, GridVolume, LatticeVisitor, RenderError, UniformGrid, Voxel, gradient_at_sample, memory};
+use vr_core::{
+    AnyGrid, ColorGrid, GridVolume, LatticeVisitor, RenderError, UniformGrid, Voxel, gradient_at_sample, memory,
+};
 
 use crate::codes::Codes;
 use crate::encode::{Dense, Layout, Leveled, PAD, Rule, Runs, VisibleBlocks, block_runs, packed};
@@ -51,8 +53,10 @@ pub(crate) struct Voxels {
     pub(crate) codes: Codewords,
     /// Codes of the normals; none where nothing is shaded.
     pub(crate) normals: Vec<u16>,
-    /// World gradients in [`unit()`]s, component by component; none where no opacity follows them.
+    /// World gradients in [`unit()`]s, component by component; none where no sample looks at them.
     pub(crate) gradients: [Vec<f32>; 3],
+    /// Colours of their own, channel by channel; none of voxels that have none.
+    pub(crate) colors: [Vec<u16>; 3],
 }
 
 impl Voxels {
@@ -66,7 +70,8 @@ impl Voxels {
 
     pub(crate) fn bytes(&self) -> usize {
         let gradients: usize = self.gradients.iter().map(|component| component.len() * 4).sum();
-        self.codes.bytes() + self.normals.len() * 2 + gradients
+        let colors: usize = self.colors.iter().map(|channel| channel.len() * 2).sum();
+        self.codes.bytes() + self.normals.len() * 2 + gradients + colors
     }
 }
 
@@ -97,8 +102,10 @@ pub(crate) struct Encoder<'a> {
     pub(crate) between: bool,
     pub(crate) empty_space: EmptySpace,
     pub(crate) shaded: bool,
-    /// True if opacity follows the gradients of voxels.
+    /// True if samples look at the gradients of voxels.
     pub(crate) steep: bool,
+    /// Colours of voxels; `None` where they have none.
+    pub(crate) colors: Option<&'a ColorGrid>,
 }
 
 impl Encoder<'_> {
@@ -150,14 +157,16 @@ impl Encoder<'_> {
         let codes = keep(packing.pack(&dense, code));
         let normals = self.normals(dense.layout, &|row| packing.fill(row));
         let gradients = self.gradients(dense.layout, &|row| packing.fill(row));
-        Ok(EncodedAxis { cells, voxels: Arc::new(Voxels { codes, normals, gradients }) })
+        let colors = self.colors(dense.layout, &|row| packing.fill(row));
+        Ok(EncodedAxis { cells, voxels: Arc::new(Voxels { codes, normals, gradients, colors }) })
     }
 
     /// Refuses a number of voxels, with codes of a size each, for which there is too little memory.
     fn check_memory(&self, voxels: usize, code_bytes: usize) -> Result<(), RenderError> {
         let normal = if self.shaded { size_of::<u16>() } else { 0 };
         let gradient = if self.steep { 3 * size_of::<f32>() } else { 0 };
-        Ok(memory::check("the run-length encoded volume", (voxels * (code_bytes + normal + gradient)) as u64)?)
+        let color = if self.colors.is_some() { 3 * size_of::<u16>() } else { 0 };
+        Ok(memory::check("the run-length encoded volume", (voxels * (code_bytes + normal + gradient + color)) as u64)?)
     }
 
     fn all_voxels(&self, turned: bool) -> Voxels {
@@ -171,7 +180,21 @@ impl Encoder<'_> {
         let layout = Layout::new(self.volume.dims(), if turned { 0 } else { 2 });
         let normals = self.normals(layout, &|fill| all_rows(layout, fill));
         let gradients = self.gradients(layout, &|fill| all_rows(layout, fill));
-        Voxels { codes, normals, gradients }
+        let colors = self.colors(layout, &|fill| all_rows(layout, fill));
+        Voxels { codes, normals, gradients, colors }
+    }
+
+    /// Colours of voxels in the order in which `order` asks for them; none of voxels that have none.
+    fn colors(&self, layout: Layout, order: &dyn Fn(&FillRow<'_, u16>) -> Vec<u16>) -> [Vec<u16>; 3] {
+        let Some(colors) = self.colors else { return Default::default() };
+        colors.channels().map(|channel| {
+            order(&|[u, v, k], row| {
+                for (i, to) in row.iter_mut().enumerate() {
+                    let [x, y, z] = layout.position([u + i, v, k]);
+                    *to = channel.samples[(z * channel.dims[1] + y) * channel.dims[0] + x];
+                }
+            })
+        })
     }
 
     /// Codes of normals in the order in which `order` asks for them; none where nothing is shaded.
@@ -183,7 +206,7 @@ impl Encoder<'_> {
         self.volume.with_lattice(OfGradients { layout, order, to_world, of: encode })
     }
 
-    /// World gradients in the same order; none where no opacity follows them.
+    /// World gradients in the same order; none where no sample looks at them.
     fn gradients(&self, layout: Layout, order: &dyn Fn(&FillRow<'_, f32>) -> Vec<f32>) -> [Vec<f32>; 3] {
         if !self.steep {
             return Default::default();

@@ -9,7 +9,7 @@ use vr_core::{
 use vr_kernels::tables::beyond_f32;
 
 use crate::shear_warp::ShearWarp;
-use crate::steepness::samples_filter_gradients;
+use crate::steepness::{looks_at_filter_gradients, samples_filter_gradients};
 
 pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderError {
     Unsupported { renderer: ShearWarp::NAME, feature, what: what.into() }.into()
@@ -38,13 +38,19 @@ pub(crate) fn check(renderer: &ShearWarp, scene: &Scene) -> Result<Arc<GridVolum
     }
     let volume = scene
         .volume
-        .grid()
+        .value_grid()
         .ok_or_else(|| Unsupported::volume_kind(ShearWarp::NAME, &scene.volume, Unsupported::GRIDS))?;
-    if volume.filter() != Filter::Trilinear {
-        return Err(unsupported(
-            Feature::Filter,
-            format!("the filter '{}': slices are interpolated linearly", volume.filter()),
-        ));
+    match volume.filter() {
+        Filter::Trilinear => {}
+        Filter::Nearest if looks_at_filter_gradients(scene) => {
+            let why = "analytic gradients of the filter 'nearest', which are zero wherever there are any; take central differences";
+            return Err(unsupported(Feature::AnalyticGradients, why));
+        }
+        Filter::Nearest => {}
+        other => {
+            let why = format!("the filter '{other}': slices are interpolated linearly, or the nearest voxel is taken");
+            return Err(unsupported(Feature::Filter, why));
+        }
     }
     match beyond_f32(volume, &scene.transfer) {
         Some(feature) => Err(unsupported(Feature::Precision, feature)),

@@ -1,7 +1,7 @@
 //! Tables that follow from the transfer function.
 
 use vr_core::optics::{depth_of_opacity, opacity_of_depth};
-use vr_core::{Classification, Compositing, GridVolume, OpacityRule, Scene};
+use vr_core::{Classification, Compositing, Filter, GridVolume, OpacityRule, Scene};
 use vr_kernels::ranges::VisibleValues;
 
 use crate::codes::Codes;
@@ -49,9 +49,11 @@ impl Classified {
 
 impl Classified {
     /// Rule for the cells that a scene shows.
-    pub(crate) fn rule(&self, renderer: &ShearWarp, scene: &Scene) -> Rule<'_> {
+    pub(crate) fn rule(&self, renderer: &ShearWarp, scene: &Scene, filter: Filter) -> Rule<'_> {
         match (scene.compositing, renderer.classification) {
             (Compositing::Maximum | Compositing::Minimum | Compositing::Average, _) => Rule::Everything,
+            // Values of the nearest voxels are those of corners.
+            _ if filter == Filter::Nearest => Rule::Classified(&self.visibility),
             (Compositing::First { .. }, _) | (_, Classification::Post) => Rule::Interpolated(&self.visibility),
             (_, Classification::Pre) => Rule::Classified(&self.visibility),
         }

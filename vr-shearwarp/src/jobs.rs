@@ -78,14 +78,16 @@ pub(crate) struct OverJob<'a> {
     pub(crate) termination: f32,
     pub(crate) level: f32,
     pub(crate) before: bool,
-    /// `None` where opacity follows the value alone, and shading the normals of [`Lighting`].
+    /// `None` where opacity follows the value alone, and shading the normals of [`Lighting`], and voxels have no colours.
     pub(crate) steep: Option<SteepMedium<'a>>,
 }
 
-/// A medium whose samples look at gradients.
+/// A medium whose samples look at gradients, or have colours of their own.
 pub(crate) struct SteepMedium<'a> {
     pub(crate) media: &'a Steepness,
     pub(crate) gradients: Gradients<'a>,
+    /// Colours of voxels, channel by channel; `None` where they have none.
+    pub(crate) colors: Option<[&'a [u16]; 3]>,
     pub(crate) shading: GradientShading<'a>,
 }
 
@@ -124,10 +126,10 @@ impl OverJob<'_> {
         }
     }
 
-    /// Draws a medium whose samples look at gradients.
+    /// Draws a medium whose samples look at gradients, or have colours of their own.
     fn draw_steep<P: Code>(
         &self,
-        SteepMedium { media, gradients, shading }: &SteepMedium<'_>,
+        SteepMedium { media, gradients, colors, shading }: &SteepMedium<'_>,
         voxels: &[P],
         job: &Job<'_>,
         image: &mut IntermediateImage,
@@ -141,10 +143,10 @@ impl OverJob<'_> {
         let lengths = &nodes[0].lengths;
         if self.before {
             let over = self.kernel::<P, true, UNSHADED>(voxels, lengths);
-            job.draw(&ByGradient { over, nodes: &nodes, gradients, shading }, image)
+            job.draw(&ByGradient { over, nodes: &nodes, gradients, colors: *colors, shading }, image)
         } else {
             let over = self.kernel::<P, false, UNSHADED>(voxels, lengths);
-            job.draw(&ByGradient { over, nodes: &nodes, gradients, shading }, image)
+            job.draw(&ByGradient { over, nodes: &nodes, gradients, colors: *colors, shading }, image)
         }
     }
 

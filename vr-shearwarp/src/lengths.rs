@@ -94,7 +94,7 @@ pub(crate) fn length(view: &IndexView, factorization: &Factorization, [x, y]: [f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::passes::passes;
+    use crate::passes::{TexelLattice, passes};
     use glam::DVec3;
     use vr_core::{Camera, Placement, Projection, View};
 
@@ -109,7 +109,7 @@ mod tests {
         let placement = Placement::from_spacing([1.0, 1.5, 0.7]).unwrap();
         let view = IndexView::new(&View::new(camera, [64, 64]), &placement).unwrap();
         let last = DVec3::new(40.0, 30.0, 90.0);
-        let passes = passes(&view, [DVec3::ZERO, last], last, 0.5).unwrap();
+        let passes = passes(&view, [DVec3::ZERO, last], last, TexelLattice { texel: 0.5, nearest: false }).unwrap();
         assert!(!passes.is_empty());
         for pass in &passes {
             let f = &pass.factorization;

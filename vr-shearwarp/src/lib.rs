@@ -90,8 +90,17 @@
 //!   volume, too. Texels are as large as voxels in the volume's middle; no slice has more than 1¼ voxels to one, so that none is missed.
 //! * Crop boxes, clip planes and, of parallel rays, the plane through the eye cut each texel's ray where they meet it.
 //!
+//! # The nearest voxels
+//! Under the filter nearest, slices hold values of the nearest voxels, or these as they are classified: the light is the same. Slices and texels lie where no
+//! voxel ends: half way between layers an even number of slices to a voxel has none, and texels a voxel wide stand on voxels. Where the field jumps, pictures are off
+//! over a texel's width: the RMSE falls by the order 1 of that. Gradients are those of the voxels, interpolated as under every filter.
+//!
+//! # Colours of voxels
+//! Values in slices have the colour of their place, interpolated as values are, and voxels that are classified first their own; light is multiplied by it before it reflects.
+//! An extreme and a surface have the colour of the place, a mean has that of the ray, which takes the slices a second time.
+//!
 //! # What it does not do
-//! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; reconstruction filters other than the trilinear one;
+//! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; reconstruction filters other than the trilinear one and the nearest;
 //! media that scatter; the filter's own gradients where they jump (voxels that are classified, and slices that are layers of voxels).
 //! `maximum`, `minimum` and `average` are of the samples in slices.
 

@@ -13,11 +13,11 @@ use vr_core::{
 use crate::capabilities::last_sample;
 use crate::factorization::IndexView;
 use crate::lengths::length;
-use crate::passes::{Pass, passes};
+use crate::passes::{Pass, TexelLattice, passes};
 use crate::ray_distances::RayDistances;
 use crate::region::Region;
 use crate::shear_warp::ShearWarp;
-use crate::slices::{Slice, Slices};
+use crate::slices::{Sampling, Slice, Slices};
 use crate::steepness::samples_filter_gradients;
 
 /// The sum over slices.
@@ -38,16 +38,16 @@ impl SlicedModel {
         view: &View,
     ) -> Result<Self, RenderError> {
         let index_view = IndexView::new(view, volume.placement())?;
-        let (dims, texel) = (volume.dims(), renderer.texel);
+        let dims = volume.dims();
         let passes = match Region::of(view, volume.placement(), dims)? {
             None => Vec::new(),
             Some(region) => {
                 let slices = |pass: &Pass| {
                     let layers = dims[pass.factorization.axes[2]];
-                    let off_layers = samples_filter_gradients(scene);
-                    Slices::new(pass.factorization, &region, layers, renderer.slice_spacing(), off_layers)
+                    let spacing = renderer.slice_spacing();
+                    Slices::new(pass.factorization, &region, layers, spacing, Sampling::of(scene, volume, spacing))
                 };
-                let all = passes(&index_view, region.corners(), last_sample(dims), texel)?;
+                let all = passes(&index_view, region.corners(), last_sample(dims), TexelLattice::of(renderer, volume))?;
                 all.into_iter().map(|pass| (pass, slices(&pass))).collect()
             }
         };
@@ -122,7 +122,8 @@ impl SlicedModel {
         });
         let between = f64::from(slice.fraction);
         let edges = if self.renderer.slice_spacing() < 1.0 { 4 } else { 2 };
-        // The corners: where they are, and how much they count.
+        // The corners: where they are, and how much they count by linear interpolation, and for values.
+        let nearest = |t: f64| if t >= 0.5 { 1.0 } else { 0.0 };
         let mut corners = Vec::with_capacity(8);
         for edge in 0..edges {
             for right in 0..2 {
@@ -130,8 +131,13 @@ impl SlicedModel {
                 (index[axes[0]], index[axes[1]]) = (cell[0].0 + right, cell[1].0 + edge % 2);
                 index[axes[2]] = slice.layer + edge / 2;
                 let part = |high: bool, t: f64| if high { t } else { 1.0 - t };
-                let weight = part(right == 1, cell[0].1) * part(edge % 2 == 1, cell[1].1);
-                corners.push((index, if edges == 4 { weight * part(edge >= 2, between) } else { weight }));
+                let weight = |[u, v, w]: [f64; 3]| {
+                    let weight = part(right == 1, u) * part(edge % 2 == 1, v);
+                    if edges == 4 { weight * part(edge >= 2, w) } else { weight }
+                };
+                let place = [cell[0].1, cell[1].1, between];
+                let of_value = if slice.nearest { place.map(nearest) } else { place };
+                corners.push((index, weight(place), weight(of_value)));
             }
         }
         let stored = |index: [usize; 3]| {
@@ -142,7 +148,7 @@ impl SlicedModel {
             vr_core::with_grid!(volume.values(), g => one(g.samples(), at))
         };
         let (calibration, transfer) = (volume.calibration(), &self.scene.transfer);
-        if corners.iter().any(|&(index, _)| stored(index).is_nan()) || length <= 0.0 {
+        if corners.iter().any(|&(index, ..)| stored(index).is_nan()) || length <= 0.0 {
             return [0.0; 4];
         }
         // Shading of a sample.
@@ -153,36 +159,46 @@ impl SlicedModel {
         match self.renderer.classification {
             Classification::Pre => {
                 let mut sum = [0.0; 4];
-                for &(index, weight) in &corners {
+                for &(index, _, weight) in &corners {
                     let gradient = self.gradient(index);
                     let sample = self.step(calibration.value(stored(index)), gradient.length(), interpolated);
+                    let sample = self.tinted(sample, index.map(|i| i as f64));
                     let sample = lit(sample, self.reflection(gradient, along));
                     (0..4).for_each(|c| sum[c] += weight * sample[c]);
                 }
                 step_of_thickness(sum, length / interpolated)
             }
             Classification::Post => {
-                let value: f64 = corners.iter().map(|&(index, weight)| weight * stored(index)).sum();
+                let value: f64 = corners.iter().map(|&(index, _, weight)| weight * stored(index)).sum();
                 // Where samples look at gradients, those are interpolated; else what normals reflect.
-                if samples_filter_gradients(&self.scene) || self.scene.has_gradient_opacity() {
+                let colored = self.scene.volume.colors().is_some();
+                if samples_filter_gradients(&self.scene) || self.scene.has_gradient_opacity() || colored {
+                    let mut at = [0.0; 3];
+                    (at[axes[0]], at[axes[1]], at[axes[2]]) = (uv.x, uv.y, slice.layer as f64 + between);
+                    let inside = std::array::from_fn(|a| at[a].clamp(0.0, (dims[a] - 1) as f64));
                     let gradient = if samples_filter_gradients(&self.scene) {
-                        let mut at = [0.0; 3];
-                        (at[axes[0]], at[axes[1]], at[axes[2]]) = (uv.x, uv.y, slice.layer as f64 + between);
                         self.world(volume.stored_and_gradient_at(at).1)
                     } else {
-                        corners.iter().map(|&(index, weight)| weight * self.gradient(index)).sum()
+                        corners.iter().map(|&(index, weight, _)| weight * self.gradient(index)).sum()
                     };
-                    let sample = self.step(calibration.value(value), gradient.length(), length);
+                    let sample = self.tinted(self.step(calibration.value(value), gradient.length(), length), inside);
                     return lit(sample, self.reflection(gradient, along));
                 }
                 let (mut factor, mut added) = ([0.0; 3], [0.0; 3]);
-                for &(index, weight) in &corners {
+                for &(index, weight, _) in &corners {
                     let (f, a) = self.reflection(self.gradient(index), along);
                     (0..3).for_each(|c| (factor[c], added[c]) = (factor[c] + weight * f[c], added[c] + weight * a[c]));
                 }
                 lit(transfer.step(calibration.value(value), length), (factor, added))
             }
         }
+    }
+
+    /// Light in the colour of its place in index space, where voxels have colours.
+    fn tinted(&self, [r, g, b, alpha]: [f64; 4], at: [f64; 3]) -> [f64; 4] {
+        let Some(colors) = self.scene.volume.colors() else { return [r, g, b, alpha] };
+        let [x, y, z] = colors.color(at);
+        [r * x, g * y, b * z, alpha]
     }
 
     /// Light and opacity of a homogeneous step of the medium of a value and a length of the gradient.

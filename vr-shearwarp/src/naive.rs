@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use vr_core::{
-    Calibration, Camera, Classification, Compositing, Control, ControlPoint, LatticeVisitor, Light, OpacityRule,
-    Placement, Plane, Projection, Renderer, Scene, Shading, TransferFunction, UniformGrid, View, Voxel,
+    Calibration, Camera, Classification, Compositing, Control, ControlPoint, Filter, LatticeVisitor, Light,
+    OpacityRule, Placement, Plane, Projection, Renderer, Scene, Shading, TransferFunction, UniformGrid, View, Voxel,
     gradient_at_sample,
 };
 
@@ -12,12 +12,12 @@ use crate::codes::{Code, Codes};
 use crate::factorization::IndexView;
 use crate::lengths::Lengths;
 use crate::optics::{Entry, Optics};
-use crate::passes::passes;
+use crate::passes::{TexelLattice, passes};
 use crate::prepared::PreparedShearWarp;
 use crate::reflections::{Reflection, decode, encode, table};
 use crate::region::Region;
 use crate::shear_warp::{EmptySpace, ShearWarp};
-use crate::slices::Slices;
+use crate::slices::{Sampling, Slices};
 use crate::warp::WarpFilter;
 
 /// One scene of random voxels and a view of it.
@@ -35,6 +35,7 @@ struct Case {
     level: Option<f64>,
     /// Normal of a clip plane through a point near the middle.
     cut: Option<[f64; 3]>,
+    nearest: bool,
 }
 
 fn cases() -> impl Strategy<Value = Case> {
@@ -59,9 +60,10 @@ fn cases() -> impl Strategy<Value = Case> {
     let eye = prop::array::uniform3(-1.0f64..1.0).prop_filter("a direction", |e| e.iter().any(|x| x.abs() > 0.1));
     let fov = prop::option::of(20.0f64..100.0);
     let optics = (1u8..255, prop_oneof![0.01f64..0.3, 0.3f64..1.0, Just(1.0)], any::<bool>());
-    let looks = (any::<bool>(), prop::option::of(0.2f64..0.9), prop::option::of(prop::array::uniform3(-1.0f64..1.0)));
+    let cut = prop::option::of(prop::array::uniform3(-1.0f64..1.0));
+    let looks = (any::<bool>(), prop::option::of(0.2f64..0.9), cut, prop::bool::weighted(0.3));
     (dims, samples, optics, eye, fov, renderer, looks).prop_map(
-        |(dims, samples, (threshold, opacity, wide), eye, fov, renderer, (shaded, level, cut))| Case {
+        |(dims, samples, (threshold, opacity, wide), eye, fov, renderer, (shaded, level, cut, nearest))| Case {
             dims,
             samples,
             wide,
@@ -73,6 +75,7 @@ fn cases() -> impl Strategy<Value = Case> {
             shaded,
             level,
             cut,
+            nearest,
         },
     )
 }
@@ -94,6 +97,9 @@ impl Case {
             UniformGrid::new(self.dims, self.samples[..n].to_vec(), placement, Calibration::default()).unwrap().into()
         };
         let mut scene = Scene::new(volume, transfer);
+        if self.nearest {
+            scene = scene.with_filter(Filter::Nearest);
+        }
         if self.shaded {
             scene.shading = Some(Shading::default().into());
             let side = Light { direction: Some(glam::DVec3::new(0.3, 2.0, -1.0)), color: [0.2, 0.5, 0.9] };
@@ -157,13 +163,16 @@ fn texel<P: Code>(
             (index[axes[0]], index[axes[1]]) = (cell[0] + high[0], cell[1] + high[1]);
             index[axes[2]] = slice.layer + high[2];
             let part = |high: usize, t: f64| if high == 1 { t } else { 1.0 - t };
-            let mut weight = part(high[0], place[0]) * part(high[1], place[1]);
-            if layers == 2 {
-                weight *= part(high[2], slice.fraction.into());
-            }
+            let weight_at = |[u, v, w]: [f64; 3]| {
+                let weight = part(high[0], u) * part(high[1], v);
+                if layers == 2 { weight * part(high[2], w) } else { weight }
+            };
+            let place = [place[0], place[1], slice.fraction.into()];
+            let weight = weight_at(place);
+            let of_voxel = if case.nearest { weight_at(place.map(f64::round)) } else { weight };
             let stored = case.samples[(index[2] * case.dims[1] + index[1]) * case.dims[0] + index[0]];
             let code = codes.code(f32::from(stored));
-            value += weight * f64::from(code);
+            value += of_voxel * f64::from(code);
             let row = P::row(table, P::of(code).place(optics.codes_begin())).map(f64::from);
             let reflection = if case.shaded {
                 reflection(normal(scene, index))
@@ -174,7 +183,7 @@ fn texel<P: Code>(
                 let (f, a) = (f64::from(reflection.factor[c]), f64::from(reflection.added[c]));
                 factor[c] += weight * f;
                 added[c] += weight * a;
-                classified[c] += weight * (row[c] * f + row[3] * a);
+                classified[c] += of_voxel * (row[c] * f + row[3] * a);
             }
         }
         let mut sample = if case.renderer.classification == Classification::Pre {
@@ -257,13 +266,13 @@ fn compare<P: Code>(case: &Case) -> Differences {
     // Rounding; and a value half way between two entries of a table, at one sample or another, put to either by it.
     let allowed = 2e-5 + case.opacity / (256.0 - f64::from(case.threshold));
     let Some(region) = region else { return differences };
-    for pass in passes(&index_view, region.corners(), last, case.renderer.texel).unwrap() {
+    for pass in passes(&index_view, region.corners(), last, TexelLattice::of(&case.renderer, volume)).unwrap() {
         let slices = Slices::new(
             pass.factorization,
             &region,
             case.dims[pass.factorization.axes[2]],
             case.renderer.slice_spacing(),
-            false,
+            Sampling::of(&scene, volume, case.renderer.slice_spacing()),
         );
         let lengths = Lengths::<P>::new(&optics, &index_view, &pass.factorization, slices.spacing, true, entry);
         let image = prepared.composited(&index_view, &view, &pass, &slices, &control).unwrap();

@@ -9,9 +9,10 @@
 //! a texel: so every slice is interpolated, none is sampled so coarsely that a voxel could be missed.
 
 use glam::{DVec2, DVec3};
-use vr_core::RenderError;
+use vr_core::{Filter, GridVolume, RenderError};
 
 use crate::factorization::{Factorization, IndexView, axes_of, permuted};
+use crate::shear_warp::ShearWarp;
 
 /// A part of the picture: those rays whose direction is mostly along one axis.
 #[derive(Clone, Copy, Debug)]
@@ -31,25 +32,40 @@ const MAX_TEXELS: u64 = 1 << 28;
 /// the last slice.
 const MIN_TEXELS: f64 = 8.0;
 
-/// The passes of a view of the index box from `low` to `high`, of a volume whose last sample is `last`, seen with `texel` voxels to a texel.
+/// Lattice of the texels of intermediate images.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TexelLattice {
+    /// Voxels to a texel, in the volume's middle.
+    pub(crate) texel: f64,
+    /// True if samples are values of the nearest voxels, which jump half way between voxels.
+    pub(crate) nearest: bool,
+}
+
+impl TexelLattice {
+    pub(crate) fn of(renderer: &ShearWarp, volume: &GridVolume) -> Self {
+        Self { texel: renderer.texel, nearest: volume.filter() == Filter::Nearest }
+    }
+}
+
+/// The passes of a view of the index box from `low` to `high`, of a volume whose last sample is `last`.
 pub(crate) fn passes(
     view: &IndexView,
     [low, high]: [DVec3; 2],
     last: DVec3,
-    texel: f64,
+    lattice: TexelLattice,
 ) -> Result<Vec<Pass>, RenderError> {
     let mut passes = Vec::new();
     if view.is_perspective() {
         for axis in 0..3 {
             for sign in [1.0, -1.0] {
-                passes.extend(perspective_pass(view, axis, sign, [low, high], last, texel));
+                passes.extend(perspective_pass(view, axis, sign, [low, high], last, lattice));
             }
         }
         if let [only] = passes.as_mut_slice() {
             only.within = None;
         }
     } else {
-        passes.extend(parallel_pass(view, [low, high], last, texel));
+        passes.extend(parallel_pass(view, [low, high], last, lattice));
     }
     for pass in &passes {
         let [width, height] = pass.factorization.size.map(|n| n as u64);
@@ -79,7 +95,7 @@ fn across(last: DVec3, axis: usize) -> f64 {
     permuted(last, axes_of(axis)).truncate().max_element()
 }
 
-fn parallel_pass(view: &IndexView, [low, high]: [DVec3; 2], last: DVec3, texel: f64) -> Option<Pass> {
+fn parallel_pass(view: &IndexView, [low, high]: [DVec3; 2], last: DVec3, lattice: TexelLattice) -> Option<Pass> {
     let axis = principal_axis(view.ahead());
     let sign = if view.ahead()[axis] < 0.0 { -1.0 } else { 1.0 };
     let plane = if sign > 0.0 { high[axis] } else { low[axis] };
@@ -94,8 +110,9 @@ fn parallel_pass(view: &IndexView, [low, high]: [DVec3; 2], last: DVec3, texel: 
     }
     let mut seen = Rectangle::NOTHING;
     corners(view).into_iter().for_each(|c| seen.add((factorization.plane_of_screen() * c).truncate()));
-    let spacing = (across(last, axis) / MIN_TEXELS).min(1.0) * texel;
-    framed(factorization, shadow.and(seen), last, spacing).map(|factorization| Pass { factorization, within: None })
+    let spacing = (across(last, axis) / MIN_TEXELS).min(1.0) * lattice.texel;
+    framed(factorization, shadow.and(seen), last, (spacing, lattice.nearest))
+        .map(|factorization| Pass { factorization, within: None })
 }
 
 fn perspective_pass(
@@ -104,7 +121,7 @@ fn perspective_pass(
     sign: f64,
     [low, high]: [DVec3; 2],
     last: DVec3,
-    texel: f64,
+    lattice: TexelLattice,
 ) -> Option<Pass> {
     let plane = if sign > 0.0 { high[axis] } else { low[axis] };
     let depth = (plane - view.eye[axis]) * sign;
@@ -144,8 +161,8 @@ fn perspective_pass(
     }
     let near = ((if sign > 0.0 { low.z } else { high.z } - eye.z) * sign).max(0.0);
     let pitch = (2.0 * depth / (near + depth)).min(MAX_PITCH);
-    let spacing = (depth.min(across(last, axis)) / MIN_TEXELS).min(pitch) * texel;
-    let factorization = framed(factorization, shadow.and(seen).and(mine), last, spacing)?;
+    let spacing = (depth.min(across(last, axis)) / MIN_TEXELS).min(pitch) * lattice.texel;
+    let factorization = framed(factorization, shadow.and(seen).and(mine), last, (spacing, lattice.nearest))?;
     let texel = |p: DVec2| (p - factorization.origin) / spacing;
     let (first, last) = (texel(mine.low), texel(mine.high));
     // The parts of two axes meet to the last bit or overlap: no pixel falls between them.
@@ -181,13 +198,21 @@ fn clipped(polygon: &[DVec3], function: DVec3) -> Vec<DVec3> {
 /// Texels stand on a lattice that does not move with what part is seen, and looks the same from either end of the volume, so that turned
 /// data give turned pictures. With 1/n voxels to a texel, the volume's faces lie half way between two texels: what is interpolated from the
 /// last one inside to nothing is neither too wide nor too narrow. And views along an axis, where every slice lies like the last one, see
-/// what views from the side see on average: a turning volume does not flash.
-fn framed(factorization: Factorization, part: Rectangle, last: DVec3, spacing: f64) -> Option<Factorization> {
+/// what views from the side see on average: a turning volume does not flash. But values of the nearest voxels jump half way between
+/// voxels, and where n is odd some of those texels would stand there: then texels stand on the faces.
+fn framed(
+    factorization: Factorization,
+    part: Rectangle,
+    last: DVec3,
+    (spacing, nearest): (f64, bool),
+) -> Option<Factorization> {
     if !(part.low.cmple(part.high).all() && part.low.is_finite() && part.high.is_finite()) {
         return None;
     }
     let last = permuted(last, factorization.axes).truncate();
-    let first = 0.5 * (last - (last / spacing + 1e-9).floor() * spacing + spacing);
+    let on_faces = nearest && (1.0 / spacing).round() % 2.0 == 1.0;
+    let beside = if on_faces { 0.0 } else { spacing };
+    let first = 0.5 * (last - (last / spacing + 1e-9).floor() * spacing + beside);
     let low = first + (((part.low - first) / spacing).floor() - MARGIN) * spacing;
     Some(factorization.framed(low, part.high + MARGIN * spacing, spacing))
 }
@@ -217,6 +242,10 @@ mod tests {
 
     use super::*;
 
+    const fn lattice(texel: f64) -> TexelLattice {
+        TexelLattice { texel, nearest: false }
+    }
+
     fn view(eye: DVec3, target: DVec3, projection: Projection) -> IndexView {
         let camera = Camera { eye, target, up: DVec3::new(0.12, 0.99, 0.2), projection };
         IndexView::new(&View::new(camera, [64, 48]), &Placement::from_spacing([1.0; 3]).unwrap()).unwrap()
@@ -228,8 +257,13 @@ mod tests {
     fn parallel_rays_have_one_axis() {
         let all = |d: DVec3| {
             let middle = DVec3::new(10.0, 15.0, 20.0);
-            passes(&view(middle - 100.0 * d, middle, Projection::Orthographic { height: 60.0 }), BOX, BOX[1], 1.0)
-                .unwrap()
+            passes(
+                &view(middle - 100.0 * d, middle, Projection::Orthographic { height: 60.0 }),
+                BOX,
+                BOX[1],
+                lattice(1.0),
+            )
+            .unwrap()
         };
         let near_x = all(DVec3::new(-1.0, 0.3, 0.4));
         assert_eq!((near_x.len(), near_x[0].factorization.axes, near_x[0].factorization.sign), (1, [1, 2, 0], -1.0));
@@ -246,7 +280,7 @@ mod tests {
         for eye in eyes {
             let target = DVec3::new(12.0, 11.0, 17.0);
             let index = view(eye, target, perspective);
-            let passes = passes(&index, BOX, BOX[1], 1.0).unwrap();
+            let passes = passes(&index, BOX, BOX[1], lattice(1.0)).unwrap();
             let directions = index.directions();
             for y in 0..48 {
                 for x in 0..64 {
@@ -277,7 +311,7 @@ mod tests {
     fn nothing_is_seen_behind_the_eye() {
         let away =
             view(DVec3::new(10.0, 15.0, 60.0), DVec3::new(10.0, 15.0, 90.0), Projection::Perspective { fov: 30.0 });
-        assert!(passes(&away, BOX, BOX[1], 1.0).unwrap().is_empty());
+        assert!(passes(&away, BOX, BOX[1], lattice(1.0)).unwrap().is_empty());
     }
 
     #[test]
@@ -290,7 +324,7 @@ mod tests {
         let big = [DVec3::ZERO, DVec3::new(1e6, 1e6, 10.0)];
         let far =
             view(DVec3::new(5e5, 5e5, 100.0), DVec3::new(5e5, 5e5, 0.0), Projection::Orthographic { height: 1e6 });
-        assert!(passes(&wide, BOX, BOX[1], 0.25).is_ok());
-        assert!(matches!(passes(&far, big, big[1], 0.25), Err(RenderError::TooLarge { .. })));
+        assert!(passes(&wide, BOX, BOX[1], lattice(0.25)).is_ok());
+        assert!(matches!(passes(&far, big, big[1], lattice(0.25)), Err(RenderError::TooLarge { .. })));
     }
 }

@@ -17,7 +17,8 @@ use crate::codes::Codes;
 use crate::composite::Scratch;
 use crate::composite::first::First;
 use crate::composite::gradients::{GradientShading, Gradients};
-use crate::composite::pick::Pick;
+use crate::composite::mean_color::MeanColor;
+use crate::composite::pick::{Pick, PickedLight};
 use crate::composite::ray_lights::RayLights;
 use crate::encode::Pyramid;
 use crate::factorization::IndexView;
@@ -26,14 +27,14 @@ use crate::isosurface::Isosurface;
 use crate::jobs::{Job, Lighting, OverJob, SteepMedium, warp_rows};
 use crate::memory::EncodedSize;
 use crate::model::SlicedModel;
-use crate::passes::{Pass, passes};
+use crate::passes::{Pass, TexelLattice, passes};
 use crate::ray_distances::RayDistances;
 use crate::reflections::{Reflection, table};
 use crate::region::Region;
 use crate::shear_warp::ShearWarp;
 use crate::sheet;
 use crate::shown::Shown;
-use crate::slices::Slices;
+use crate::slices::{Sampling, Slices};
 use crate::steepness::samples_filter_gradients;
 use crate::surface_depths::SurfaceDepths;
 use crate::warp::{DepthWarp, Texture, Warp};
@@ -95,7 +96,7 @@ impl PreparedShearWarp {
         }
         let volume = &*self.volume;
         control.check()?;
-        let rule = self.classified.rule(&self.renderer, &self.scene);
+        let rule = self.classified.rule(&self.renderer, &self.scene, self.volume.filter());
         let whole = &mut self.whole;
         let encoded = control.run(|| {
             let encoder = Encoder {
@@ -107,6 +108,7 @@ impl PreparedShearWarp {
                 empty_space: self.renderer.empty_space,
                 shaded: Shown::of(&self.scene).normals,
                 steep: Shown::of(&self.scene).gradients,
+                colors: self.scene.volume.colors().map(|colors| &**colors),
             };
             encoder.encode(axis, whole)
         })?;
@@ -163,12 +165,13 @@ impl Prepared for PreparedShearWarp {
         let layer = self.scene.layer(view, control)?;
         let mut stats = RenderStats::default();
         if let Some(region) = region {
-            for pass in passes(&index_view, region.corners(), last_sample(dims), self.renderer.texel)? {
+            let lattice = TexelLattice::of(&self.renderer, &volume);
+            for pass in passes(&index_view, region.corners(), last_sample(dims), lattice)? {
                 let axis = pass.factorization.axes[2];
                 stats.time("encode", || self.encode(axis, control))?;
-                let off_layers = samples_filter_gradients(&self.scene);
                 let spacing = self.renderer.slice_spacing();
-                let slices = Slices::new(pass.factorization, &region, dims[axis], spacing, off_layers);
+                let sampling = Sampling::of(&self.scene, &volume, spacing);
+                let slices = Slices::new(pass.factorization, &region, dims[axis], spacing, sampling);
                 let distances = RayDistances::new(&index_view, &pass.factorization);
                 let surfaces = layer.as_ref().map(|layer| SurfaceDepths::new(layer, view.size, &slices, &distances));
                 let surfaces = surfaces.as_ref();
@@ -243,13 +246,25 @@ impl PreparedShearWarp {
                 Codewords::Words(voxels) => job.draw(&First { voxels, sign, threshold, surface }, image),
             };
         }
-        // Values are picked, and classified afterwards.
+        // Values are picked, and classified when all are known: an extreme with the colour of its place, a mean with that of the ray.
         if operator.picks() {
-            return match &axis.voxels.codes {
-                Codewords::Bytes(voxels) => job.draw(&Pick { voxels, operator }, image),
-                Codewords::Words(voxels) => job.draw(&Pick { voxels, operator }, image),
+            let (calibration, transfer, codes) = (self.volume.calibration(), &self.scene.transfer, &self.codes);
+            let of_code = |code: f64| transfer.at(calibration.value(codes.stored(code))).pixel();
+            let colors = self.scene.volume.colors().map(|colors| &**colors);
+            let light = PickedLight { of_code: &of_code, colors };
+            match &axis.voxels.codes {
+                Codewords::Bytes(voxels) => job.draw(&Pick { voxels, operator, light }, image)?,
+                Codewords::Words(voxels) => job.draw(&Pick { voxels, operator, light }, image)?,
             }
-            .map(|()| self.classify_picks(operator));
+            if operator == Operator::Average {
+                let means = image.texels().to_vec();
+                if colors.is_some() {
+                    let colors = axis.voxels.colors.each_ref().map(|channel| &channel[..]);
+                    job.draw(&MeanColor { colors }, image)?;
+                }
+                light.of_means(&means, image.texels_mut());
+            }
+            return Ok(());
         }
         // Light is composited, up to the level of accumulate.
         let optics = &self.classified.optics;
@@ -265,13 +280,17 @@ impl PreparedShearWarp {
             _ => Lighting::None,
         };
         let filter = samples_filter_gradients(&self.scene);
-        let steep = (filter || shown.gradients).then(|| SteepMedium {
+        let colors = self.scene.volume.colors().map(|_| axis.voxels.colors.each_ref().map(|channel| &channel[..]));
+        let steep = (filter || shown.gradients || colors.is_some()).then(|| SteepMedium {
             media: &self.classified.media,
             gradients: if filter {
                 Gradients::of_filter(gradient_matrix(&self.volume) * self.codes.spacing, f.axes)
-            } else {
+            } else if shown.gradients {
                 Gradients::OfVoxels(axis.voxels.gradients.each_ref().map(|component| &component[..]))
+            } else {
+                Gradients::None
             },
+            colors,
             shading: GradientShading::new(
                 (self.scene.reflection().map(|shading| &**shading), &self.scene.lights),
                 (index_view, f),
@@ -325,18 +344,6 @@ impl PreparedShearWarp {
             self.reflections = Some(ReflectionTable { shading, lights, direction, entries });
         }
         Ok(())
-    }
-
-    /// Turns the values of texels into light and opacity.
-    fn classify_picks(&mut self, operator: Operator) {
-        let (calibration, transfer, codes) = (self.calibration(), &self.scene.transfer, &self.codes);
-        for texel in self.image.texels_mut() {
-            let [value, weight, ..] = texel.map(f64::from);
-            if weight > 0.0 {
-                let code = if operator == Operator::Average { value / weight } else { value };
-                *texel = transfer.at(calibration.value(codes.stored(code))).pixel().map(|x| x as f32);
-            }
-        }
     }
 
     /// Resamples the intermediate image onto the screen: pixels, and world distances of what they show.

@@ -86,7 +86,7 @@ mod tests {
     use vr_core::{Camera, Placement, Projection, Rays, View};
 
     use super::*;
-    use crate::passes::passes;
+    use crate::passes::{TexelLattice, passes};
 
     #[test]
     fn distances_are_those_of_the_rays_of_vr_core() {
@@ -96,7 +96,8 @@ mod tests {
             let (eye, target) = (DVec3::new(90.0, 35.0, 60.0), DVec3::new(10.0, 20.0, 30.0));
             let view = View::new(Camera { eye, target, up: DVec3::Y, projection }, [64, 48]);
             let (index, rays) = (IndexView::new(&view, &placement).unwrap(), Rays::new(&view).unwrap());
-            for pass in passes(&index, [DVec3::ZERO, last], last, 0.5).unwrap() {
+            for pass in passes(&index, [DVec3::ZERO, last], last, TexelLattice { texel: 0.5, nearest: false }).unwrap()
+            {
                 let f = &pass.factorization;
                 let distances = RayDistances::new(&index, f);
                 for screen in [DVec2::new(0.5, 0.5), DVec2::new(31.0, 20.25), DVec2::new(63.5, 40.0)] {

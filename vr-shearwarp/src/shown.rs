@@ -13,7 +13,8 @@ pub(crate) struct Shown {
     threshold: Option<f64>,
     /// True if samples reflect light by the codes of voxels' normals. The one surface of `first` has a gradient of its own.
     pub(crate) normals: bool,
-    /// True if opacity follows the gradients of voxels, which then reflect light as well.
+    /// True if samples look at the gradients of voxels: opacity follows them, and they reflect light as well. Where voxels have colours, which come before what
+    /// reflects, they do the latter anyway.
     pub(crate) gradients: bool,
     /// Factors on the extinction by the gradient, whose ever it is.
     factors: Vec<(f64, f64)>,
@@ -23,6 +24,8 @@ impl Shown {
     pub(crate) fn of(scene: &Scene) -> Self {
         let light = scene.compositing.integrates_light();
         let of_voxels = !samples_filter_gradients(scene);
+        let reflects = light && of_voxels && scene.reflection().is_some();
+        let follows = scene.has_gradient_opacity() || scene.volume.colors().is_some();
         let threshold = match scene.compositing {
             Compositing::First { threshold } => Some(threshold),
             _ => None,
@@ -30,8 +33,8 @@ impl Shown {
         Self {
             light,
             threshold,
-            normals: light && of_voxels && scene.reflection().is_some() && !scene.has_gradient_opacity(),
-            gradients: of_voxels && scene.has_gradient_opacity(),
+            normals: reflects && !follows,
+            gradients: of_voxels && scene.has_gradient_opacity() || reflects && follows,
             factors: scene.shading.as_ref().map(|shading| shading.gradient_opacity.clone()).unwrap_or_default(),
         }
     }

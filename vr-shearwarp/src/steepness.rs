@@ -60,6 +60,11 @@ pub(crate) fn unit(volume: &GridVolume) -> f64 {
 
 /// True if samples look at the filter's own gradient, for opacity or for shading.
 pub(crate) fn samples_filter_gradients(scene: &Scene) -> bool {
-    let looks = scene.compositing.integrates_light() && (scene.reflection().is_some() || scene.has_gradient_opacity());
+    scene.compositing.integrates_light() && looks_at_filter_gradients(scene)
+}
+
+/// True if samples, or surfaces that are met between them, look at the filter's own gradient.
+pub(crate) fn looks_at_filter_gradients(scene: &Scene) -> bool {
+    let looks = scene.reflection().is_some() || scene.has_gradient_opacity();
     looks && scene.gradient_shading().is_some_and(|shading| shading.gradient == GradientMethod::Analytic)
 }

@@ -25,7 +25,7 @@ pub(crate) fn check(renderer: &Splatter, scene: &Scene) -> Result<SplatInput, Re
     renderer.validate()?;
     scene.validate()?;
     scene.without_scattering(Splatter::NAME)?;
-    let input = match (scene.volume.grid(), scene.volume.points()) {
+    let input = match (scene.volume.value_grid(), scene.volume.points()) {
         (Some(grid), _) => SplatInput::Grid(Arc::clone(grid)),
         (_, Some(points)) => SplatInput::Points(Arc::clone(points)),
         _ => return Err(Unsupported::volume_kind(Splatter::NAME, &scene.volume, DRAWN).into()),

@@ -1,7 +1,7 @@
 //! From what tiles gathered to the picture.
 
 use glam::DVec3;
-use vr_core::{Calibration, Compositing, Frame, Layer, Scene, View};
+use vr_core::{Calibration, Compositing, Frame, GridVolume, Layer, Scene, View};
 use vr_kernels::vector::Operator;
 
 use crate::grid_gradients::{Gradients, world_gradient};
@@ -44,7 +44,7 @@ impl<'a> Picture<'a> {
                 let [r, g, b] = [0, 1, 2].map(|c| f64::from(state.light[c].0[lane]));
                 [r, g, b, 1.0 - f64::from(state.clear.0[lane])]
             } else {
-                let rgba = self.picked(state, lane);
+                let rgba = self.tinted(self.picked(state, lane), state, lane, [x, y], splat_view);
                 self.shaded(rgba, state, lane, [x, y], splat_view)
             };
             let at = (y / n) as usize * width + (x / n) as usize;
@@ -79,27 +79,44 @@ impl<'a> Picture<'a> {
         at.pixel()
     }
 
+    /// Multiplies light of a picked value by the colour of its place, or of a mean by that of the ray, where voxels have colours.
+    fn tinted(&self, rgba: [f64; 4], state: &State, lane: usize, pixel: [u32; 2], seen: &SplatView) -> [f64; 4] {
+        let Some(colors) = self.scene.volume.colors().filter(|_| rgba[3] > 0.0) else { return rgba };
+        let [x, y, z] = match self.operator {
+            Operator::Average => state.light.map(|sum| f64::from(sum.0[lane]) / f64::from(state.length.0[lane])),
+            _ => {
+                let place = self.place(state, lane, pixel, seen);
+                colors.color(index_in(colors.values(), place))
+            }
+        };
+        let [r, g, b, alpha] = rgba;
+        [r * x, g * y, b * z, alpha]
+    }
+
+    /// The place in the world of what a pixel sees.
+    fn place(&self, state: &State, lane: usize, [x, y]: [u32; 2], seen: &SplatView) -> DVec3 {
+        let [x, y] = [x, y].map(|i| f64::from(i) + 0.5);
+        let ray = seen.rays.at(x, y);
+        ray.origin + ray.direction * ((state.depth(self.operator, lane) + seen.base) * seen.stretch(seen.lateral(x, y)))
+    }
+
     /// Shades the surface of a first hit, by the gradient where the ray meets it.
     fn shaded(&self, rgba: [f64; 4], state: &State, lane: usize, [x, y]: [u32; 2], seen: &SplatView) -> [f64; 4] {
         let (Operator::First { .. }, Some(shading)) = (self.operator, self.scene.reflection()) else { return rgba };
         if rgba[3] <= 0.0 {
             return rgba;
         }
-        let [x, y] = [x, y].map(|i| f64::from(i) + 0.5);
-        let ray = seen.rays.at(x, y);
-        let distance = (state.depth(self.operator, lane) + seen.base) * seen.stretch(seen.lateral(x, y));
-        let world = match (self.scene.volume.grid(), self.scene.volume.points()) {
+        let place = self.place(state, lane, [x, y], seen);
+        let world = match (self.scene.volume.value_grid(), self.scene.volume.points()) {
             (Some(grid), _) => {
-                let placement = grid.placement();
-                let index = placement.inverse_axes() * (ray.origin - placement.origin() + ray.direction * distance);
-                let last = DVec3::from_array(grid.dims().map(|n| (n - 1) as f64));
                 let gradients = Gradients::new(shading, self.renderer, grid);
-                world_gradient(grid, gradients.at(grid, index.clamp(DVec3::ZERO, last).to_array()))
+                world_gradient(grid, gradients.at(grid, index_in(grid, place)))
             }
-            (_, Some(points)) => points.gradient(ray.origin + ray.direction * distance).unwrap_or_default(),
+            (_, Some(points)) => points.gradient(place).unwrap_or_default(),
             _ => return rgba,
         };
-        shading.along(&self.scene.lights, ray.direction).shade(rgba, world.to_array())
+        let [x, y] = [x, y].map(|i| f64::from(i) + 0.5);
+        shading.along(&self.scene.lights, seen.rays.at(x, y).direction).shade(rgba, world.to_array())
     }
 
     /// The whole picture, over the scene's surfaces.
@@ -109,4 +126,12 @@ impl<'a> Picture<'a> {
         let depth = self.depth.map(|all| all.into_iter().enumerate().map(nearest).collect());
         Frame::new(self.view.size, self.pixels.into_iter().enumerate().map(over).collect(), depth)
     }
+}
+
+/// Position in a grid of a place in the world, or the nearest one that is in it.
+fn index_in(grid: &GridVolume, place: DVec3) -> [f64; 3] {
+    let placement = grid.placement();
+    let index = placement.inverse_axes() * (place - placement.origin());
+    let last = DVec3::from_array(grid.dims().map(|n| (n - 1) as f64));
+    index.clamp(DVec3::ZERO, last).to_array()
 }

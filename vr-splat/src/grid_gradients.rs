@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 use glam::DVec3;
 use vr_core::{GradientMethod, GridVolume, Shading};
-use vr_kernels::vector::{AnyField, LANES, Lanes, Shade, Stage, StepOptics};
+use vr_kernels::vector::{AnyField, LANES, Lanes, Shade, Stage, StepOptics, central_differences};
 use vr_kernels::with_any;
 
 use crate::kernel::{Shape, SplatKernel};
@@ -65,7 +65,8 @@ impl<'a> GridGradients<'a> {
         matches!(self.source, Gradients::CentralDifferences)
     }
 
-    /// Shades light at places in index space by central differences, its extinction times the factors on steps first where such are given.
+    /// Shades light at places in index space by central differences, its extinction times the factors on steps first where such are given, then its colours by
+    /// `tint`.
     #[inline(always)]
     pub(crate) fn shade<S: Simd>(
         &self,
@@ -74,14 +75,20 @@ impl<'a> GridGradients<'a> {
         place: &[Lanes; 3],
         modulated: Option<&StepOptics>,
         light: &mut [Lanes; 4],
+        tint: impl FnOnce(&mut [Lanes; 4]),
     ) {
         let at = with_any!(&self.field, f => cells(f.last_cell, place));
         let none = [Lanes::ZERO; 3];
         match modulated {
             Some(optics) => {
-                with_any!(&self.field, f => shade.apply_modulated(simd, f, &at, &none, optics, light, &mut Stage::default()));
+                let gradients =
+                    with_any!(&self.field, f => central_differences(simd, f, &at, &none, &mut Stage::default()));
+                shade.apply_by(simd, &gradients, Some(optics), light, tint);
             }
-            None => with_any!(&self.field, f => shade.apply(simd, f, &at, &none, light, &mut Stage::default())),
+            None => {
+                tint(light);
+                with_any!(&self.field, f => shade.apply(simd, f, &at, &none, light, &mut Stage::default()));
+            }
         }
     }
 

@@ -111,6 +111,7 @@ mod prepared;
 mod projection;
 mod ramps;
 mod renderer;
+mod rim_section;
 mod sample_shader;
 mod section_table;
 mod shading;

@@ -128,7 +128,7 @@ mod tests {
                         [sum.across.to_array()[3], sum.along.to_array()[3]]
                     });
                     // The part across is b times J.
-                    let want = [b * radial.slope_along_line(b, z), kernel.at((b * b + z * z).sqrt())];
+                    let want = [b * radial.slope_section(b, 0.0, z), kernel.at((b * b + z * z).sqrt())];
                     worst[0] = worst[0].max((b * f64::from(found[0]) - want[0]).abs());
                     worst[1] = worst[1].max((f64::from(found[1]) - want[1]).abs());
                     peak = peak.max(want[1]);

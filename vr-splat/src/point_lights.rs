@@ -51,6 +51,7 @@ pub(crate) fn point_lights(
             gradient: (gradients.0[k] * unit).to_array(),
             magnitude: gradients.0[k].length(),
             place: points.positions()[k],
+            tint: [1.0; 3],
         }
     };
     let one = |chunk: usize| -> Vec<[f32; 4]> {

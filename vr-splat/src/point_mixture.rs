@@ -40,6 +40,9 @@ impl MixtureChannels {
 /// Kernel that points have at least in their supports, as a part of its integral: where f32 loses a section at the edge of a support, the mean is still one.
 pub(crate) const MIN_KERNEL: f32 = 1e-6;
 
+/// The same of the cubic spline, whose sections keep their digits there: its value where f32 no longer tells a place from the edge.
+pub(crate) const MIN_RIM_KERNEL: f32 = 1e-20;
+
 /// Gradient of a mean, as a part of the two that it is the difference of, below which it is one of rounding: there is none where one point reaches alone.
 pub(crate) const MIN_SLOPE: f32 = 4e-6;
 

@@ -9,7 +9,7 @@ use vr_core::{
     Compositing, Control, Filter, Frame, GridVolume, LatticeVisitor, Model, ParameterError, PointSet, Prepared,
     RenderError, RenderStats, Rendered, Scene, View, Voxel, memory,
 };
-use vr_kernels::vector::Operator;
+use vr_kernels::vector::{Operator, VoxelColors};
 
 use crate::bins::{Bins, Keys, TILE};
 use crate::capabilities::{check, check_view};
@@ -158,7 +158,7 @@ impl LatticeVisitor for DrawGrid<'_> {
         let cells = voxels.cells.as_ref().map(|bits| VisibleCells { bits, dims: lattice.dims, beyond });
         let spread =
             Spread { reach: renderer.kernel.reach(), low_pass: renderer.low_pass, offset: offset(input).0, beyond };
-        // Light of voxels in which gradients have a part is found for the view.
+        // Light of voxels in which gradients have a part, or colours of their own, is found for the view.
         let lit = renderer.splats_light() && prepared.scene.compositing.integrates_light();
         let lights = if lit {
             let make =
@@ -227,8 +227,11 @@ impl PreparedSplatter {
             SplatInput::Points(_) => None,
         };
         let operator = Operator::new(scene.compositing, calibration, renderer.order == CompositingOrder::BackToFront);
-        // Where nothing is missing, a mean needs no sheets: but the Gaussian filter's, whose weights have another sum at every place.
+        let colors = scene.volume.colors().map(|colors| VoxelColors::new(colors));
+        // Where nothing is missing, a mean needs no sheets: but the Gaussian filter's, whose weights have another sum at every place, and that of colours, which
+        // are looked up in sheets.
         let sums = operator == Operator::Average
+            && colors.is_none()
             && grid.is_some_and(|grid| grid.vacuum_cells().is_none() && grid.filter() != Filter::Gaussian);
         let sheets = ImageSheets::new(renderer, &scene.volume, input, splat_view)?;
         let exact = |stored: f32, length: f32| {
@@ -272,6 +275,7 @@ impl PreparedSplatter {
                     },
                     normalised: grid.is_some(),
                     mixture: self.classified.mixture.as_ref(),
+                    colors: colors.as_ref(),
                     cells,
                     shader: shader.as_ref(),
                 }

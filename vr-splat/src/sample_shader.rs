@@ -16,6 +16,8 @@ pub(crate) struct LitSample {
     pub(crate) magnitude: f64,
     /// In the world.
     pub(crate) place: DVec3,
+    /// Colour of its own, by which its light is multiplied before it reflects.
+    pub(crate) tint: [f64; 3],
 }
 
 /// Optics, lights and the eye, for samples that are classified themselves.
@@ -33,7 +35,7 @@ impl SampleShader<'_> {
         for i in 0..LANES {
             // The last one again where there are fewer: what is not asked for costs no directions of its own.
             let sample = &samples[i.min(samples.len() - 1)];
-            let row = self.optics.of_voxel(sample.value, sample.magnitude);
+            let row = tinted(self.optics.of_voxel(sample.value, sample.magnitude), sample.tint);
             let towards = self.sight.towards(sample.place);
             for a in 0..3 {
                 gradients[a].0[i] = sample.gradient[a] as f32;
@@ -50,6 +52,11 @@ impl SampleShader<'_> {
         }
         (0..samples.len()).map(|i| std::array::from_fn(|c| rows[c].0[i])).collect()
     }
+}
+
+/// (q, κ) of a sample in a colour.
+pub(crate) fn tinted([r, g, b, kappa]: [f64; 4], [x, y, z]: [f64; 3]) -> [f64; 4] {
+    [r * x, g * y, b * z, kappa]
 }
 
 /// Shades (q, κ) of sixteen samples as light and opacity are: q becomes q·factor + κ·added.

@@ -39,7 +39,7 @@ pub(crate) struct Pieces {
     pub(crate) length: Lanes,
     /// The table's rows of the values, and lengths in its unit; `None` where they were classified one by one, or opacity is what it is.
     pub(crate) optics: Option<StepOptics>,
-    /// Colours of their places, by which light is multiplied before it reflects, where points have any.
+    /// Colours of their places, by which light is multiplied before it reflects, where voxels or points have any.
     pub(crate) tint: Option<[Lanes; 3]>,
 }
 
@@ -109,7 +109,9 @@ impl<'a> Shader<'a> {
         match (&self.source, &pieces.slope) {
             (Source::Grid(grid), Slope::At(place)) if vectors && grid.are_central_differences() => {
                 if light[3].load(simd).simd_gt(splat(simd, 0.0)).any_true() {
-                    grid.shade(simd, shade, place, modulated, light);
+                    grid.shade(simd, shade, place, modulated, light, |light| pieces.tint(simd, light));
+                } else {
+                    pieces.tint(simd, light);
                 }
             }
             (_, Slope::Known(gradient)) if vectors => {

@@ -19,7 +19,7 @@ pub(crate) fn check(renderer: &TextureSlicer, scene: &Scene) -> Result<Arc<GridV
     scene.without_scattering(TextureSlicer::NAME)?;
     let volume = scene
         .volume
-        .grid()
+        .value_grid()
         .ok_or_else(|| Unsupported::volume_kind(TextureSlicer::NAME, &scene.volume, Unsupported::GRIDS))?;
     // The volume.
     match volume.filter() {
@@ -106,6 +106,9 @@ fn check_texture(renderer: &TextureSlicer, scene: &Scene) -> Result<(), RenderEr
         let grey = |c: [f64; 3]| c[0] == c[1] && c[1] == c[2];
         let rows = scene.transfer.rows().iter().flat_map(|row| row.transfer.points());
         let mut points = scene.transfer.points().iter().chain(rows);
+        if scene.volume.has_colors() {
+            return Err(unsupported(Feature::Color, "colours of voxels in textures of luminance and alpha"));
+        }
         if !points.all(|p| grey(p.color) && grey(p.emission.unwrap_or_default())) {
             return Err(unsupported(Feature::Color, "colours in textures of luminance and alpha"));
         }

@@ -16,8 +16,8 @@ use crate::texture_slicer::Format;
 pub(crate) enum LightTexels {
     Rgba(Vec<[f32; 4]>),
     Luminance(Vec<[f32; 2]>),
-    /// Indices into a palette; where voxels are shaded, factors on the three colours of each, and the three lights that are added to an opaque one. A palette
-    /// holds one colour for a value, so it cannot hold the colours of all orientations of a surface.
+    /// Indices into a palette; where voxels are shaded or have colours, factors on the three colours of each, and the three lights that are added to an opaque one. A
+    /// palette holds one colour for a value, so it cannot hold the colours of all orientations of a surface, nor those of voxels themselves.
     /// If opacity follows the gradient, the level of its magnitude as well.
     Indices {
         indices: Vec<u8>,
@@ -127,7 +127,7 @@ impl<'a> VoxelOptics<'a> {
         // A clear voxel reflects nothing, and is clear at every gradient.
         let clear = light == [0.0; 4];
         if clear || self.medium.is_none() && self.shading.is_none() {
-            return light;
+            return tinted(self.scene, light, index);
         }
         let world = at_voxel(self.volume, index);
         let light = self.medium.as_ref().map_or(light, |medium| {
@@ -135,11 +135,23 @@ impl<'a> VoxelOptics<'a> {
             let magnitude = self.levels.map_or(magnitude, |levels| levels.magnitude(levels.level(magnitude)));
             medium.step(value, magnitude, self.length)
         });
+        let light = tinted(self.scene, light, index);
         let Some(shading) = &self.shading else { return light };
         let ([r, g, b, alpha], (factor, added)) = (light, shading.reflect(world, index));
         let lit = |light: f64, c: usize| light * factor[c] + added[c] * alpha;
         [lit(r, 0), lit(g, 1), lit(b, 2), alpha]
     }
+}
+
+/// The colour of a voxel; white where voxels have none.
+fn color(scene: &Scene, index: [usize; 3]) -> [f64; 3] {
+    scene.volume.colors().map_or([1.0; 3], |colors| colors.color(index.map(|i| i as f64)))
+}
+
+/// Light of a voxel in its colour.
+fn tinted(scene: &Scene, [r, g, b, alpha]: [f64; 4], index: [usize; 3]) -> [f64; 4] {
+    let [x, y, z] = color(scene, index);
+    [r * x, g * y, b * z, alpha]
 }
 
 impl TextureKey {
@@ -156,7 +168,7 @@ impl TextureKey {
 }
 
 impl LightTexels {
-    /// Bytes of a texel in a format of light, shaded or not, whose opacity follows the gradient or not.
+    /// Bytes of a texel in a format of light, shaded or of a colour of its own or neither, whose opacity follows the gradient or not.
     pub(crate) fn texel_bytes(format: Format, shaded: bool, follows: bool) -> u64 {
         match format {
             Format::Rgba => 16,
@@ -222,7 +234,8 @@ pub(crate) fn levels(format: Format, scene: &Scene, volume: &GridVolume) -> Opti
 impl Classified {
     /// Bytes that a volume takes in a format of light.
     pub(crate) fn bytes(format: Format, scene: &Scene, volume: &GridVolume) -> u64 {
-        let (shaded, follows) = (scene.reflection().is_some(), scene.has_gradient_opacity());
+        let shaded = scene.reflection().is_some() || scene.volume.has_colors();
+        let follows = scene.has_gradient_opacity();
         volume.dims().iter().product::<usize>() as u64 * LightTexels::texel_bytes(format, shaded, follows)
     }
 
@@ -241,14 +254,15 @@ impl Classified {
             return None;
         }
         self.palette = palette(Format::Paletted, scene, volume, made.length);
-        let serves = self.seen == made.seen;
+        // Forgotten ones may be those of colours alone.
+        let serves = self.seen == made.seen && (kept.is_some() || !scene.volume.has_colors());
         if !serves {
             // The old ones go first: there may be no room for both.
             *kept = None;
             *kept = reflections(scene, volume, made.seen, &Region::whole(volume.dims()));
             self.seen = made.seen;
         }
-        Some(!serves && made.seen.is_some())
+        Some(!serves && kept.is_some())
     }
 
     /// Forgets the light that voxels reflect, after shading or lights have changed.
@@ -259,12 +273,17 @@ impl Classified {
     }
 }
 
-/// Light that voxels reflect in a view; `None` where nothing is shaded.
+/// Factors and light of voxels by their colours and by what they reflect in a view; `None` where nothing is shaded and voxels have no colours.
 fn reflections(scene: &Scene, volume: &GridVolume, seen: Option<Seen>, region: &Region) -> Option<Vec<[f32; 6]>> {
-    let shading = VoxelShading::new(scene, volume, seen)?;
+    let shading = VoxelShading::new(scene, volume, seen);
+    if shading.is_none() && !scene.volume.has_colors() {
+        return None;
+    }
     Some(each(volume, region, |_, index| {
-        let ([a, b, c], [d, e, f]) = shading.reflect(at_voxel(volume, index), index);
-        [a, b, c, d, e, f].map(|x| x as f32)
+        let reflect = |shading: &VoxelShading<'_>| shading.reflect(at_voxel(volume, index), index);
+        let ([a, b, c], [d, e, f]) = shading.as_ref().map_or(([1.0; 3], [0.0; 3]), reflect);
+        let [x, y, z] = color(scene, index);
+        [a * x, b * y, c * z, d, e, f].map(|x| x as f32)
     }))
 }
 

@@ -1,7 +1,7 @@
 //! From what a pixel has gathered to the pixel.
 
 use glam::DVec3;
-use vr_core::{Compositing, GridVolume, Scene};
+use vr_core::{ColorGrid, Compositing, GridVolume, Scene};
 use vr_kernels::vector::Operator;
 
 use crate::compression::Compressed;
@@ -39,22 +39,29 @@ impl Finish<'_> {
             Operator::Extreme { .. } if value == f32::NEG_INFINITY => Pixel::NOTHING,
             Operator::Extreme { sign } => {
                 let depth = rays.distance_at(i, state.other.0[i]);
-                Pixel { depth, ..self.picked(f64::from(value * sign)) }
+                let tint = self.colors().map(|colors| colors.color(self.index(rays, i, depth)));
+                Pixel { depth, ..self.picked(f64::from(value * sign), tint) }
             }
             Operator::Average if state.other.0[i] == 0.0 => Pixel::NOTHING,
             Operator::Average => {
                 let mean = (f64::from(value) - f64::from(state.lost.0[i])) / f64::from(state.other.0[i]);
-                self.picked(mean)
+                let tint = |c: usize| f64::from(sum[c].0[i]) / f64::from(state.other.0[i]);
+                self.picked(mean, self.colors().map(|_| [0, 1, 2].map(tint)))
             }
             Operator::First { .. } if value == f32::INFINITY => Pixel::NOTHING,
             Operator::First { sign, .. } => self.first(rays, i, state, f64::from(sign)),
         }
     }
 
-    /// (α·c, α) of a stored number.
-    fn picked(&self, stored: f64) -> Pixel {
-        let rgba = self.scene.transfer.at(self.volume.calibration().value(stored)).pixel();
-        Pixel { rgba, ..Pixel::NOTHING }
+    fn colors(&self) -> Option<&ColorGrid> {
+        self.scene.volume.colors().map(|colors| &**colors)
+    }
+
+    /// (α·c, α) of a stored number, in a colour where voxels have any.
+    fn picked(&self, stored: f64, tint: Option<[f64; 3]>) -> Pixel {
+        let [r, g, b, alpha] = self.scene.transfer.at(self.volume.calibration().value(stored)).pixel();
+        let [x, y, z] = tint.unwrap_or([1.0; 3]);
+        Pixel { rgba: [r * x, g * y, b * z, alpha], ..Pixel::NOTHING }
     }
 
     /// The point at which the threshold is passed, found between the sample that passed and the one before it.
@@ -73,7 +80,8 @@ impl Finish<'_> {
             if sign * stored(middle) >= sign * threshold { reached = middle } else { below = middle }
         }
         let [r, g, b] = self.scene.transfer.at(self.volume.calibration().value(stored(reached))).color;
-        let mut rgba = [r, g, b, 1.0];
+        let tint = self.colors().map_or([1.0; 3], |colors| colors.color(self.index(rays, i, reached)));
+        let mut rgba = [r * tint[0], g * tint[1], b * tint[2], 1.0];
         if let Some(shading) = self.scene.reflection() {
             let at = self.index(rays, i, reached);
             let (volume, compressed) = (self.volume, self.compressed);

@@ -144,5 +144,6 @@ mod texel_cell;
 mod texture;
 mod texture_slicer;
 mod textures;
+mod tint;
 
 pub use texture_slicer::{Blend, DrawOrder, Format, Proxy, TextureSlicer};

@@ -162,6 +162,13 @@ impl Along<'_> {
         ExactGradients { volume, compressed, method: shading.gradient }.at(index)
     }
 
+    /// Light in the colour of its place in index space, where voxels have colours.
+    fn tinted(&self, [r, g, b, alpha]: [f64; 4], at: [f64; 3]) -> [f64; 4] {
+        let Some(colors) = self.model.scene.volume.colors() else { return [r, g, b, alpha] };
+        let [x, y, z] = colors.color(at);
+        [r * x, g * y, b * z, alpha]
+    }
+
     /// Light and opacity of a slab, by what a surface across a gradient reflects.
     fn shaded(&self, light: [f64; 4], world: DVec3) -> [f64; 4] {
         let scene = &self.model.scene;
@@ -189,7 +196,7 @@ impl Along<'_> {
                     medium.segment(tables, ends, medium.magnitude(world), length)
                 },
             );
-            return self.shaded(light, world);
+            return self.shaded(self.tinted(light, self.place(middle)), world);
         }
         let stored = self.stored(middle);
         if stored.is_nan() {
@@ -200,6 +207,6 @@ impl Along<'_> {
             || scene.transfer.step(value, length),
             |medium| medium.step(value, medium.magnitude(world), length),
         );
-        self.shaded(light, world)
+        self.shaded(self.tinted(light, self.index(middle)), world)
     }
 }

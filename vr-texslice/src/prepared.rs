@@ -22,6 +22,7 @@ use crate::slices::Slices;
 use crate::store::{Job, Needs, TextureStore, time_if_made};
 use crate::tables::Tables;
 use crate::texture_slicer::{Blend, TextureSlicer};
+use crate::tint::Tint;
 
 /// The scene, its textures, and what is kept from picture to picture.
 pub(crate) struct PreparedTextureSlicer {
@@ -156,6 +157,9 @@ impl Prepared for PreparedTextureSlicer {
             }
             None => [0.0; 4],
         };
+        // Light of textures has the colours of its voxels.
+        let colors = scene.volume.colors().filter(|_| !self.renderer.holds_light());
+        let tint = colors.map(|colors| Tint::new(colors, layout));
         let by_gradient = medium.as_ref().map(|medium| medium.packet_shading(axes, &tables.row_optics));
         let no_lights = PacketLights::default();
         let shade = by_gradient.as_ref().map(|shading| Shade { shading, lights: &no_lights });
@@ -186,6 +190,7 @@ impl Prepared for PreparedTextureSlicer {
                 pass: Pass {
                     classifier,
                     steepness,
+                    tint: tint.as_ref(),
                     operator,
                     dims: axes.map(|a| volume.dims()[a]),
                     on_faces,

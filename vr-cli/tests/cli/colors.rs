@@ -53,7 +53,11 @@ fn they_are_described_and_one_component_is_a_volume() {
     assert!(message.contains("--component 0"), "{message}");
     vr.run("convert ball.nrrd x.mha --component 2").succeeded();
     assert!(vr.run("info x.mha").succeeded().stdout.contains("0 to 230"));
-    let message = vr.run("render ball.nrrd --renderer shearwarp -o x.png").stderr;
+    for renderer in ["shearwarp", "texslice", "splat"] {
+        vr.run(&format!("render ball.nrrd --renderer {renderer} --size 16x16 --error none -o {renderer}.png"))
+            .succeeded();
+    }
+    let message = vr.run("render ball.nrrd --renderer march -o x.png").stderr;
     assert!(message.contains("coloured grid"), "{message}");
     let message = vr.run("render ball.nrrd --renderer raycast --max-error 1e-3 -o x.png").stderr;
     assert!(message.contains("voxels have colours"), "{message}");

@@ -19,6 +19,7 @@ mod sums;
 mod table;
 mod taps;
 mod uneven_gradient;
+mod voxel_colors;
 mod wide_field;
 
 pub use any_field::{AnyField, ByType};
@@ -38,6 +39,7 @@ pub use stencils::Stencils;
 pub use sums::{Sums, share_of_half, share_to_level};
 pub use table::{OpticsTable, Rows, step_light};
 pub use taps::AxisWeights;
+pub use voxel_colors::VoxelColors;
 pub use wide_field::{BlockStage, Blocks, Offsets, WideField};
 
 use fearless_simd::prelude::*;

@@ -11,7 +11,10 @@
 //! assert!(error(&Marcher::default(), &scene, &view).rmse < 0.05);
 //! ```
 
-use vr_core::{AnyGrid, Camera, Control, Model, Rendered, Renderer, Scene, UniformGrid, View, phantom};
+use vr_core::{
+    AnyGrid, Camera, ColorGrid, Control, ControlPoint, Filter, Light, Model, OpacityRule, Placement, Rendered,
+    Renderer, Scene, Shading, TransferFunction, UniformGrid, View, phantom,
+};
 
 use crate::{Metrics, Reference};
 
@@ -25,6 +28,42 @@ where
 {
     let phantom = phantom::by_name(name).expect("a known phantom");
     phantom::sampled_scene::<T>(&*phantom, n, opacity).expect("a valid size")
+}
+
+/// Returns a scene of voxels with colours: a ball of smooth values from 0 to 255, most opaque in the middle, in which colours change in waves; white in the transfer
+/// function but for a tinge.
+pub fn colored_scene(filter: Filter) -> Scene {
+    let dims = [17, 15, 16];
+    let voxel = |i: usize| {
+        let [x, y, z] = [(i % 17) as f64 / 8.0 - 1.0, (i / 17 % 15) as f64 / 7.0 - 1.0, (i / 255) as f64 / 7.5 - 1.0];
+        let opacity = 255.0 * (1.0 - 0.7 * (x * x + y * y + z * z)).clamp(0.0, 1.0);
+        let wave = |k: f64| 127.0 + 120.0 * libm::sin(k * x + 5.0 * y - 4.0 * z);
+        [wave(3.0), wave(7.0), wave(-5.0), opacity].map(|c| c as u8)
+    };
+    let voxels: Vec<u8> = (0..17 * 15 * 16).flat_map(voxel).collect();
+    let placement = Placement::from_spacing([1.0, 1.1, 0.9]).expect("a spacing");
+    let colors = ColorGrid::from_components(dims, &voxels, 4, placement).expect("four components a voxel");
+    let points = vec![ControlPoint::new(20.0, [1.0; 3], 0.0), ControlPoint::new(255.0, [1.0, 0.9, 0.8], 0.4)];
+    let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).expect("two points in order");
+    Scene::new(colors.into(), transfer).with_filter(filter)
+}
+
+/// Returns looks of a scene of values up to 255: as it is, shaded, with opacity by the gradient as well, and shining with an emission of its own.
+pub fn looks_of_bytes(scene: &Scene) -> Vec<(&'static str, Scene)> {
+    let plain = Scene { lights: vec![Light::default()], ..scene.clone() };
+    let shaded = |shading: Shading| Scene { shading: Some(shading.into()), ..plain.clone() };
+    let factors = vec![(0.0, 0.6), (30.0, 1.0)];
+    let emitting = [(20.0, 0.0), (255.0, 0.2)].map(|(value, e)| ControlPoint {
+        emission: Some([e, 0.5 * e, e]),
+        ..ControlPoint::new(value, [1.0; 3], 0.3 * e)
+    });
+    let emitting = TransferFunction::new(emitting.to_vec(), OpacityRule::Power, 1.0).expect("two points in order");
+    vec![
+        ("plain", plain.clone()),
+        ("shaded", shaded(Shading::default())),
+        ("opacity by gradient", shaded(Shading { gradient_opacity: factors, ..Shading::default() })),
+        ("emission", Scene { transfer: emitting.into(), ..plain }),
+    ]
 }
 
 /// Returns a square view of all of a scene's volume; see [`Camera::framing`].

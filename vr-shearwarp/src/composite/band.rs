@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 use vr_core::cancel;
 use vr_kernels::vector::{LANES, Vectorized};
 
-use super::cells::{Edges, texels_between};
+use super::cells::{Edges, nearest, texels_between};
 use super::kernel::{Added, Chunk, Kernel, Row, Seen};
 use crate::encode::{Run, Runs};
 use crate::links::Links;
@@ -128,7 +128,7 @@ impl<K: Kernel, const N: usize> Vectorized for Work<'_, '_, K, N> {
                     number: (i + 1) as f32,
                     stops,
                     y,
-                    weights: weights((v - cell as f64) as f32, slice.fraction),
+                    weights: weights((v - cell as f64) as f32, slice),
                     texels,
                     at_once,
                     row: Row::new(planes),
@@ -228,8 +228,8 @@ struct Crossing<'a, 'b, K, const N: usize> {
     /// Depths at which surfaces end the row's rays; empty where there are none.
     stops: &'a [f32],
     y: usize,
-    /// Weights of the edges of cells.
-    weights: [f32; N],
+    /// Weights of the edges of cells: of linear interpolation, and of values.
+    weights: [[f32; N]; 2],
     texels: SliceRow,
     /// Texels that are added to at once.
     at_once: usize,
@@ -239,9 +239,16 @@ struct Crossing<'a, 'b, K, const N: usize> {
     line: &'b mut Line,
 }
 
+/// Weights of the edges of a row of cells, `down` from its upper edge, in a slice: of linear interpolation, and of values.
+#[inline(always)]
+fn weights<const N: usize>(down: f32, slice: &Slice) -> [[f32; N]; 2] {
+    let linear = weights_at(down, slice.fraction);
+    [linear, if slice.nearest { weights_at(nearest(down), nearest(slice.fraction)) } else { linear }]
+}
+
 /// Weights of the edges of a row of cells, `down` from its upper edge and `behind` its first layer.
 #[inline(always)]
-fn weights<const N: usize>(down: f32, behind: f32) -> [f32; N] {
+fn weights_at<const N: usize>(down: f32, behind: f32) -> [f32; N] {
     let mut weights = [0.0; N];
     for (n, weight) in weights.iter_mut().enumerate() {
         let across = if n % 2 == 0 { 1.0 - down } else { down };
@@ -290,7 +297,8 @@ impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
         for n in 0..N {
             at[n] = run.at[n] as usize;
         }
-        let edges = Edges { at, last: run.len as usize - 1, weights: self.weights };
+        let [weights, of_voxels] = self.weights;
+        let edges = Edges { at, last: run.len as usize - 1, weights, of_voxels };
         let some_opaque = K::CLOSES && self.line.opaque > 0;
         let unit = self.slice.shift.is_some();
         let mut shares = [1.0; LANES];

@@ -1,13 +1,14 @@
-//! Samples whose opacity follows the gradient, or that are shaded by the trilinear filter's own.
+//! Samples whose opacity follows the gradient, or that are shaded by the trilinear filter's own, or have colours of their own.
 //!
 //! The medium is a mixture of the nodes of its steepness, extinction and emission linear in the gradient's length: so each node has a table of
 //! light and optical depth that absorb nothing yet, and a sample is their weighted sum before it becomes opacity.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16};
+use vr_core::ColorGrid;
 use vr_kernels::vector::{LANES, splat, step_of_thickness, transpose};
 
-use super::cells::{Columns, Edges, Places};
+use super::cells::{Columns, Edges, Places, values};
 use super::gradients::{GradientShading, Gradients, lengths};
 use super::kernel::{Added, Chunk, Kernel, Row, Seen};
 use super::over::{Over, UNSHADED, of_depth};
@@ -21,6 +22,8 @@ pub(crate) struct ByGradient<'a, P: Code, const PRE_CLASSIFIED: bool> {
     /// The medium at lengths of the gradient, in their order.
     pub(crate) nodes: &'a [Node<P>],
     pub(crate) gradients: &'a Gradients<'a>,
+    /// Colours of voxels, channel by channel, by which light is multiplied before it reflects; `None` where they have none.
+    pub(crate) colors: Option<[&'a [u16]; 3]>,
     pub(crate) shading: &'a GradientShading<'a>,
 }
 
@@ -128,6 +131,12 @@ impl<P: Code, const PRE_CLASSIFIED: bool> ByGradient<'_, P, PRE_CLASSIFIED> {
                 sum[c] += sample[c] * share;
             }
         }
+        if let Some(colors) = &self.colors {
+            let tint = tints::<S, N, UNIT>(simd, colors, edges, places);
+            for c in 0..3 {
+                sum[c] *= tint[c];
+            }
+        }
         self.shading.shaded(simd, at, gradient, sum)
     }
 
@@ -145,9 +154,12 @@ impl<P: Code, const PRE_CLASSIFIED: bool> ByGradient<'_, P, PRE_CLASSIFIED> {
             for right in 0..2 {
                 // The voxels at one corner of the cells.
                 let mut rows = [f32x4::splat(simd, 0.0); LANES];
-                let mut gradient = [[0.0; LANES]; 3];
+                let (mut gradient, mut tint) = ([[0.0; LANES]; 3], [[1.0; LANES]; 3]);
                 for i in 0..at.n {
                     let voxel = edges.at[e] + right + places.first + places.cell[i] as usize;
+                    for (c, channel) in self.colors.iter().flatten().enumerate() {
+                        tint[c][i] = f32::from(channel[voxel]) * PER_WHITE;
+                    }
                     let [x, y, z] = self.gradients.at_voxel(voxel);
                     let steepness = (x * x + y * y + z * z).sqrt();
                     for node in self.nodes {
@@ -161,10 +173,12 @@ impl<P: Code, const PRE_CLASSIFIED: bool> ByGradient<'_, P, PRE_CLASSIFIED> {
                     f32x16::load_array_ref(simd, &gradient[1]),
                     f32x16::load_array_ref(simd, &gradient[2]),
                 ];
-                let samples = of_depth(simd, transpose(rows), splat(simd, 1.0));
+                let mut samples = of_depth(simd, transpose(rows), splat(simd, 1.0));
+                for c in 0..3 {
+                    samples[c] *= f32x16::load_array_ref(simd, &tint[c]);
+                }
                 let samples = self.shading.shaded(simd, at, gradient, samples);
-                let along = if right == 0 { splat(simd, 1.0) - places.weight } else { places.weight };
-                let weight = along * edges.weights[e];
+                let weight = places.weight_of_voxels(simd, right) * edges.of_voxels[e];
                 for c in 0..4 {
                     sum[c] += samples[c] * weight;
                 }
@@ -172,6 +186,24 @@ impl<P: Code, const PRE_CLASSIFIED: bool> ByGradient<'_, P, PRE_CLASSIFIED> {
         }
         sum
     }
+}
+
+/// Light of a colour by its stored number.
+pub(crate) const PER_WHITE: f32 = 1.0 / ColorGrid::WHITE as f32;
+
+/// Colours at sixteen texels, where values are taken: interpolated, or those of the nearest voxels.
+#[inline(always)]
+pub(super) fn tints<S: Simd, const N: usize, const UNIT: bool>(
+    simd: S,
+    channels: &[&[u16]; 3],
+    edges: &Edges<N>,
+    places: &Places<S>,
+) -> [f32x16<S>; 3] {
+    let mut tint = [splat(simd, PER_WHITE); 3];
+    for c in 0..3 {
+        tint[c] *= values::<S, u16, N, UNIT>(simd, channels[c], edges, places);
+    }
+    tint
 }
 
 #[cfg(test)]

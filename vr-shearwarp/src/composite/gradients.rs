@@ -6,12 +6,14 @@ use glam::{DMat3, DVec3};
 use vr_core::{Light, Shading};
 use vr_kernels::vector::{LANES, PacketLights, SeenLights, pick, reflect, splat};
 
-use super::cells::{Edges, Interpolated, Places, values};
+use super::cells::{Edges, Interpolated, Places, interpolated};
 use super::kernel::Chunk;
 use crate::factorization::{Factorization, IndexView};
 
 /// Gradients in the world, in units of steepness.
 pub(crate) enum Gradients<'a> {
+    /// No sample looks at any.
+    None,
     /// Those of voxels, component by component in the order of the voxels, interpolated.
     OfVoxels([&'a [f32]; 3]),
     /// Those of the trilinear filter itself, by a matrix from differences of codes along u, v and w. Slices lie between layers.
@@ -35,10 +37,11 @@ impl Gradients<'_> {
         places: &Places<S>,
     ) -> [f32x16<S>; 3] {
         match self {
+            Self::None => [splat(simd, 0.0); 3],
             Self::OfVoxels([x, y, z]) => [
-                values::<S, f32, N, UNIT>(simd, x, edges, places),
-                values::<S, f32, N, UNIT>(simd, y, edges, places),
-                values::<S, f32, N, UNIT>(simd, z, edges, places),
+                interpolated::<S, f32, N, UNIT>(simd, x, edges, places),
+                interpolated::<S, f32, N, UNIT>(simd, y, edges, places),
+                interpolated::<S, f32, N, UNIT>(simd, z, edges, places),
             ],
             Self::OfFilter(to_world) => {
                 let differences = differences::<S, P, N, UNIT>(simd, voxels, edges, places);
@@ -57,6 +60,7 @@ impl Gradients<'_> {
     #[inline(always)]
     pub(super) fn at_voxel(&self, voxel: usize) -> [f32; 3] {
         match self {
+            Self::None => [0.0; 3],
             Self::OfVoxels(components) => components.map(|c| c[voxel]),
             Self::OfFilter(_) => unreachable!("refused: around a voxel the filter's gradient jumps"),
         }
@@ -83,13 +87,16 @@ fn differences<S: Simd, P: Interpolated, const N: usize, const UNIT: bool>(
         across.weights[n] = if n % 2 == 1 { of_layer } else { -of_layer };
         along.weights[n] = if n >= 2 { of_row } else { -of_row };
     }
-    let end = |weight: f32| Places { first: places.first, cell: places.cell, weight: splat(simd, weight) };
-    let right: f32x16<S> = values::<S, P, N, UNIT>(simd, voxels, edges, &end(1.0));
-    let left: f32x16<S> = values::<S, P, N, UNIT>(simd, voxels, edges, &end(0.0));
+    let end = |weight: f32| {
+        let weight = splat(simd, weight);
+        Places { first: places.first, cell: places.cell, weight, of_voxels: weight }
+    };
+    let right: f32x16<S> = interpolated::<S, P, N, UNIT>(simd, voxels, edges, &end(1.0));
+    let left: f32x16<S> = interpolated::<S, P, N, UNIT>(simd, voxels, edges, &end(0.0));
     [
         right - left,
-        values::<S, P, N, UNIT>(simd, voxels, &across, places),
-        values::<S, P, N, UNIT>(simd, voxels, &along, places),
+        interpolated::<S, P, N, UNIT>(simd, voxels, &across, places),
+        interpolated::<S, P, N, UNIT>(simd, voxels, &along, places),
     ]
 }
 

@@ -45,6 +45,19 @@ pub(crate) struct Seen<'a> {
 }
 
 impl Seen<'_> {
+    /// Index-space position at a depth of the texel's ray, inside the box of a grid.
+    pub(crate) fn index(&self, depth: f64, dims: [usize; 3]) -> [f64; 3] {
+        let f = &self.slices.factorization;
+        let w = depth * f.sign;
+        let map = f.slice(w);
+        let [u, v] = [0, 1].map(|a| map.offset[a] + map.scale * self.texel[a] as f64);
+        let mut index = [0.0; 3];
+        for (axis, at) in f.axes.into_iter().zip([u, v, w]) {
+            index[axis] = at.clamp(0.0, (dims[axis] - 1) as f64);
+        }
+        index
+    }
+
     /// Depth of the slice.
     pub(crate) fn depth_of_slice(&self) -> f64 {
         self.slices.slices[self.slice].depth

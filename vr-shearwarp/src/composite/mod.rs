@@ -12,6 +12,7 @@ pub(crate) mod first;
 pub(crate) mod gradients;
 mod half;
 pub(crate) mod kernel;
+pub(crate) mod mean_color;
 pub(crate) mod over;
 pub(crate) mod pick;
 pub(crate) mod ray_lights;

@@ -158,7 +158,7 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLA
             }
             let rows = packed(rows);
             for quad in 0..4 {
-                columns[quad] += rows[quad] * edges.weights[e];
+                columns[quad] += rows[quad] * edges.of_voxels[e];
             }
         }
         let counts = f32x16::load_array_ref(simd, &STEPS_F32).simd_lt(splat(simd, n as f32));

@@ -287,7 +287,7 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLA
         for right in 0..2 {
             let reflections = rays.reflections(simd, &normals[right], &to_eye);
             for e in 0..N {
-                let weight = places.weight_beside(simd, right) * edges.weights[e];
+                let weight = places.weight_of_voxels(simd, right) * edges.of_voxels[e];
                 let shaded = lit(samples[right][e], reflections[e]);
                 for c in 0..4 {
                     sum[c] += shaded[c] * weight;

@@ -68,10 +68,10 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLA
         for e in 0..N {
             let edge = &self.voxels[edges.at[e] + columns.first..][..FOUR + 1];
             let voxels = |from: usize| f32x4::from_fn(simd, |i| edge[from + i].to_f32());
-            left += voxels(0) * edges.weights[e];
-            right += voxels(1) * edges.weights[e];
+            left += voxels(0) * edges.of_voxels[e];
+            right += voxels(1) * edges.of_voxels[e];
         }
-        let value = left + (right - left) * columns.begin;
+        let value = left + (right - left) * columns.of_voxels();
         let nothing = f32x4::splat(simd, P::LAST as f32);
         let place = (value * self.optics.scale + self.optics.bias).max(0.0).min(nothing);
         let counts = f32x4::load_array_ref(simd, &STEPS).simd_lt(n as f32);
@@ -103,7 +103,7 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLA
                 if SHADING == BY_TABLE {
                     row = self.lit_voxel(simd, row, self.normals[at]);
                 }
-                sum += row * edges.weights[e];
+                sum += row * edges.of_voxels[e];
             }
             sum
         };
@@ -111,7 +111,7 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLA
         let mut left = column(0);
         for (i, sample) in samples[..n].iter_mut().enumerate() {
             let right = column(i + 1);
-            *sample = left + (right - left) * columns.begin;
+            *sample = left + (right - left) * columns.of_voxels();
             left = right;
         }
         samples

@@ -4,10 +4,12 @@
 mod tests;
 
 use glam::{DVec2, DVec3};
+use vr_core::{Filter, GridVolume, Scene};
 
 use crate::composite::cells::Columns;
 use crate::factorization::{Factorization, SliceMap, permuted};
 use crate::region::{HalfSpace, Region};
+use crate::steepness::samples_filter_gradients;
 
 /// A slice of samples: a layer of voxels, or what lies between two.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +29,8 @@ pub(crate) struct Slice {
     pub(crate) shift: Option<isize>,
     /// That place.
     place: f32,
+    /// True if samples are values of the nearest voxels.
+    pub(crate) nearest: bool,
     /// Texels with a sample here.
     pub(crate) valid: Texels,
     /// Texels with a sample in the slices before and behind, too: those for which this one stands for a whole distance between slices.
@@ -52,12 +56,14 @@ impl Slice {
             // The last texel of all may lie on the far end of the last cell.
             let cell = ((x as isize + shift) as usize).wrapping_sub(start as usize);
             let first = cell.min(last);
-            return Columns { first, begin: self.place + (cell - first) as f32, scale: 1.0 };
+            let begin = self.place + (cell - first) as f32;
+            return Columns { first, begin, scale: 1.0, nearest: self.nearest };
         }
         let position = self.map.offset.x + self.map.scale * x as f64 - f64::from(start);
         // `as` saturates.
         let first = (position as usize).min(last);
-        Columns { first, begin: (position - first as f64) as f32, scale: self.map.scale as f32 }
+        let begin = (position - first as f64) as f32;
+        Columns { first, begin, scale: self.map.scale as f32, nearest: self.nearest }
     }
 }
 
@@ -120,6 +126,27 @@ pub(crate) struct Slices {
     planes: Vec<HalfSpace>,
 }
 
+/// Samples of slices, and where slices may lie.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sampling {
+    /// True if samples are values of the nearest voxels.
+    pub(crate) nearest: bool,
+    /// True if layers of voxels are to be half way between slices.
+    pub(crate) off_layers: bool,
+}
+
+impl Sampling {
+    /// Samples of a volume under its filter, in slices so many voxels apart.
+    ///
+    /// Filters' gradients jump at the layers. Values of the nearest voxels jump half way between layers: off the layers, no slice of an even number to a voxel
+    /// lies there, and of an odd number none does anyway.
+    pub(crate) fn of(scene: &Scene, volume: &GridVolume, spacing: f64) -> Self {
+        let nearest = volume.filter() == Filter::Nearest;
+        let even = (1.0 / spacing).round() % 2.0 == 0.0;
+        Self { nearest, off_layers: samples_filter_gradients(scene) || (nearest && even) }
+    }
+}
+
 /// Texels of one row that have a sample in a slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Row {
@@ -137,14 +164,14 @@ const NEAREST: f64 = 1e-6;
 impl Slices {
     /// The slices of a part of the index space, `spacing` voxels apart, of a volume with `layers` layers along the axis.
     ///
-    /// They lie the same way seen from either end: among them are the layers, where the spacing is 1/n; or, if they are to be `off_layers`, the
-    /// layers are half way between them.
+    /// They lie the same way seen from either end: among them are the layers, where the spacing is 1/n; or, if they are to be off the layers, these
+    /// are half way between them.
     pub(crate) fn new(
         factorization: Factorization,
         region: &Region,
         layers: usize,
         spacing: f64,
-        off_layers: bool,
+        Sampling { nearest, off_layers }: Sampling,
     ) -> Self {
         let [low, high] = region.corners().map(|v| permuted(v, factorization.axes));
         let turned = |p: &HalfSpace| HalfSpace { normal: permuted(p.normal, factorization.axes), ..*p };
@@ -176,6 +203,7 @@ impl Slices {
                     per_cell: 1.0 / map.scale,
                     shift: (map.scale == 1.0).then(|| map.offset.x.floor() as isize),
                     place: (map.offset.x - map.offset.x.floor()) as f32,
+                    nearest,
                     valid,
                     whole: Texels::NONE,
                 }

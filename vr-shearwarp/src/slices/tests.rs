@@ -4,7 +4,7 @@ use vr_core::{Camera, Placement, Projection, View};
 
 use super::*;
 use crate::factorization::IndexView;
-use crate::passes::passes;
+use crate::passes::{TexelLattice, passes};
 
 const BOX: [DVec3; 2] = [DVec3::ZERO, DVec3::new(9.0, 12.0, 7.0)];
 
@@ -25,10 +25,12 @@ fn all_slices(spacing: f64) -> Vec<Slices> {
                 let index = IndexView::new(&view, &Placement::from_spacing([1.0; 3]).unwrap()).unwrap();
                 for planes in &cuts {
                     let region = Region { low: BOX[0], high: BOX[1], planes: planes.clone() };
-                    for pass in passes(&index, BOX, BOX[1], 1.0).unwrap() {
+                    for pass in passes(&index, BOX, BOX[1], TexelLattice { texel: 1.0, nearest: false }).unwrap() {
                         let layers = BOX[1][pass.factorization.axes[2]] as usize + 1;
-                        all.push(Slices::new(pass.factorization, &region, layers, spacing, false));
-                        all.push(Slices::new(pass.factorization, &region, layers, spacing, true));
+                        for off_layers in [false, true] {
+                            let sampling = Sampling { nearest: false, off_layers };
+                            all.push(Slices::new(pass.factorization, &region, layers, spacing, sampling));
+                        }
                     }
                 }
             }

@@ -2,9 +2,11 @@
 
 mod cancelled;
 mod checks;
+mod colors;
 mod depths;
 mod first;
 mod gradients;
+mod nearest;
 mod random_scenes;
 mod shading;
 mod surfaces;

@@ -183,25 +183,40 @@ impl Radial {
 
     /// ∫ W from 0 to z along a line that passes the middle at a distance b; odd in z, and constant from the edge on.
     pub(crate) fn along_line(&self, b: f64, z: f64) -> f64 {
-        self.integral(b, z, |t| self.at(t))
+        self.section(b, 0.0, z)
     }
 
-    /// ∫ W'(t)/t along the same line: the factor of its nearest place in the integral of the gradient.
-    pub(crate) fn slope_along_line(&self, b: f64, z: f64) -> f64 {
-        self.integral(b, z, |t| self.slope_by_distance(t))
+    /// ∫ W between two places of that line: summed there, so that near the edge it has digits of its own.
+    pub(crate) fn section(&self, b: f64, from: f64, to: f64) -> f64 {
+        self.integral(b, [from, to], &|t| self.at(t))
     }
 
-    /// ∫ of a function of the distance t along that line.
-    fn integral(&self, b: f64, z: f64, of: impl Fn(f64) -> f64) -> f64 {
+    /// ∫ W'(t)/t between two places of that line: the factor of its nearest place in the integral of the gradient.
+    pub(crate) fn slope_section(&self, b: f64, from: f64, to: f64) -> f64 {
+        self.integral(b, [from, to], &|t| self.slope_by_distance(t))
+    }
+
+    /// ∫ of a function of the distance t between two places of that line.
+    fn integral(&self, b: f64, [from, to]: [f64; 2], of: &dyn Fn(f64) -> f64) -> f64 {
         if b >= 1.0 {
             return 0.0;
         }
+        if to < from {
+            return -self.integral(b, [to, from], of);
+        }
+        // The same on either side of the middle.
+        if to <= 0.0 && from < 0.0 {
+            return self.integral(b, [-to, -from], of);
+        }
+        if from < 0.0 {
+            return self.integral(b, [0.0, -from], of) + self.integral(b, [0.0, to], of);
+        }
         let edge = ((1.0 - b) * (1.0 + b)).sqrt();
-        let end = z.abs().min(edge);
+        let [from, to] = [from, to].map(|z| z.min(edge));
         // Where W bends, the rule must not go across.
-        let inner = match self.form {
-            Form::Point(PointKernel::CubicSpline) if b < 0.5 => ((0.5 - b) * (0.5 + b)).sqrt().min(end),
-            _ => 0.0,
+        let bend = match self.form {
+            Form::Point(PointKernel::CubicSpline) if b < 0.5 => ((0.5 - b) * (0.5 + b)).sqrt().clamp(from, to),
+            _ => from,
         };
         let value = |s: f64| of((b * b + s * s).sqrt());
         // A kink at the middle shows as one of s where b is small: s = b sinh u makes it smooth.
@@ -212,7 +227,7 @@ impl Radial {
             let [u, v] = [from, to].map(|s| libm::asinh(s / b));
             quadrature(u, v, 8, |u| b * libm::cosh(u) * value(b * libm::sinh(u)))
         };
-        (part(0.0, inner) + part(inner, end)) * 1f64.copysign(z)
+        part(from, bend) + part(bend, to)
     }
 }
 
@@ -261,7 +276,7 @@ impl Profile {
                 let foot: [f64; 3] = std::array::from_fn(|a| at[a] + nearest * along[a]);
                 let b = dot(foot, foot).sqrt();
                 let z = |s: f64| (s - nearest) * length;
-                (radial.along_line(b, z(to)) - radial.along_line(b, z(from))) / length
+                radial.section(b, z(from), z(to)) / length
             }
             _ => {
                 let [mut start, mut end] = [from, to];

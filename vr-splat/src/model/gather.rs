@@ -132,7 +132,7 @@ impl ExactSplat {
         let b = across.length();
         let edge = (1.0 - b * b).max(0.0).sqrt();
         let [from, to] = [from, to].map(|d| ((d - self.place.z) * speed + ahead).clamp(-edge, edge));
-        let turn = radial.slope_along_line(b, to) - radial.slope_along_line(b, from);
+        let turn = radial.slope_section(b, from, to);
         let rise = radial.at(b.hypot(to)) - radial.at(b.hypot(from));
         (across * turn + direction * rise) * self.weight
     }

@@ -17,6 +17,7 @@ use crate::grid_gradients::{Gradients, world_gradient};
 use crate::input::{SplatInput, profile};
 use crate::kernel::Profile;
 use crate::projection::SplatView;
+use crate::sample_shader::tinted;
 use crate::sheets::{AT_LAYER, ImageSheets, MIN_MET, OwnSheets, is_boxed, splat_view};
 use crate::sight::Sight;
 use crate::splatter::{Buffers, CompositingOrder, Splatter};
@@ -132,8 +133,10 @@ impl SplatModel {
 
     /// (q, κ) of a splat that is classified itself, per world unit.
     fn optics(&self, splat: &ExactSplat) -> [f64; 4] {
+        let tint = self.scene.volume.colors().map(|colors| colors.color(splat.index.map(|x| x as f64)));
+        let tint = tint.unwrap_or([1.0; 3]);
         let Some(optics) = GradientOptics::new(&self.scene) else {
-            return optics_of(&self.scene.transfer, splat.value);
+            return tinted(optics_of(&self.scene.transfer, splat.value), tint);
         };
         let (place, world) = match &self.input {
             SplatInput::Grid(grid) => {
@@ -146,7 +149,7 @@ impl SplatModel {
                 (place, points.gradient(place).unwrap_or_default())
             }
         };
-        let row = optics.of_voxel(splat.value, world.length());
+        let row = tinted(optics.of_voxel(splat.value, world.length()), tint);
         if !optics.reflects {
             return row;
         }
@@ -201,7 +204,8 @@ impl SplatModel {
                     let depth = own.as_ref().map_or(0.0, |own| line.depth_at(own.axis, own.layers[*turn as usize]));
                     // Where a sheet is sampled there may be nothing.
                     if length > 0.0 && !line.in_vacuum(input, depth, AT_LAYER) {
-                        Part::Value { value: sum / length, length, depth, gradient: None, color: None }
+                        let color = self.color_at(line, depth);
+                        Part::Value { value: sum / length, length, depth, gradient: None, color }
                     } else {
                         Part::Vacuum
                     }
@@ -246,6 +250,12 @@ impl SplatModel {
         }
         // A sinc's sides may outweigh its middle: less than nothing sends nothing.
         if tau < 0.0 { Self::term([0.0; 3], 0.0) } else { Self::term(light, tau) }
+    }
+
+    /// The colour of the voxels at a depth of a ray; `None` where they have none.
+    fn color_at(&self, line: &Line, depth: f64) -> Option<[f64; 3]> {
+        let colors = self.scene.volume.colors()?;
+        Some(colors.color(line.index_at(colors.values(), depth).to_array()))
     }
 
     fn image_sheets(&self, line: &Line, profile: &Profile, splats: &[ExactSplat], [near, far]: [f64; 2]) -> Vec<Part> {
@@ -315,6 +325,7 @@ impl SplatModel {
                 let light = |s: &ExactSplat| DVec3::from(colors[s.index[0]].map(f64::from));
                 (parts.iter().map(|s| light(s) * section(s)).sum::<DVec3>() / weight).to_array()
             });
+            let color = color.or_else(|| self.color_at(line, middle));
             if divisor > 0.0 && !line.in_vacuum(input, middle, 0.0) {
                 found.push(Part::Value { value: sum / divisor, length, depth: middle, gradient, color });
             } else if divisor > 0.0 {

@@ -7,7 +7,8 @@ use vr_kernels::vector::{pick, splat};
 
 use crate::chord_table::{Chord, ChordCourse, ChordTable};
 use crate::point_gradients::{GradientCourse, GradientSum};
-use crate::point_mixture::MIN_KERNEL;
+use crate::point_mixture::{MIN_KERNEL, MIN_RIM_KERNEL};
+use crate::rim_section::RimSection;
 use crate::splat::Splat;
 
 use super::Tile;
@@ -43,12 +44,26 @@ struct UpTo<S: Simd> {
     gradient: Option<GradientSum<S>>,
 }
 
+/// Integrals over a section of chords.
+struct Between<S: Simd> {
+    /// ∫ W.
+    whole: f32x16<S>,
+    /// Integrals of the gradient across the chord, as a factor of its nearest place, and along it, if they are asked for.
+    slope: Option<[f32x16<S>; 2]>,
+}
+
 impl<S: Simd> Chords<S> {
     /// Integrals up to a depth.
     #[inline(always)]
     fn up_to(&self, simd: S, depth: f32x16<S>) -> UpTo<S> {
+        self.up_to_part(simd, self.part_at(simd, depth))
+    }
+
+    /// Part of half the chord at a depth, within [−1, 1].
+    #[inline(always)]
+    fn part_at(&self, simd: S, depth: f32x16<S>) -> f32x16<S> {
         let u = (depth - self.nearest) * self.per_half;
-        self.up_to_part(simd, u.max(splat(simd, -1.0)).min(splat(simd, 1.0)))
+        u.max(splat(simd, -1.0)).min(splat(simd, 1.0))
     }
 
     /// Integrals up to a part of half the chord.
@@ -66,14 +81,51 @@ impl<S: Simd> Chords<S> {
         UpTo { whole, gradient }
     }
 
-    /// ∫ of the gradient between two depths, times the splat's weight; `None` where it is not asked for.
+    /// ∫ W between two depths, and that of the gradient's parts across and along the chord.
     #[inline(always)]
-    fn gradient(&self, before: &UpTo<S>, after: &UpTo<S>, weight: f32) -> Option<[f32x16<S>; 3]> {
-        let (Some(gradients), Some(before), Some(after)) = (&self.gradients, before.gradient, after.gradient) else {
-            return None;
+    fn between(&self, simd: S, before: &UpTo<S>, after: &UpTo<S>) -> Between<S> {
+        // Kernels of points are nowhere negative; polynomials and rounding might be.
+        let whole = (after.whole - before.whole).max(splat(simd, 0.0));
+        #[expect(
+            clippy::manual_map,
+            reason = "a closure is not compiled for the vectors' instructions where it is not inlined"
+        )]
+        let slope = match (before.gradient, after.gradient) {
+            (Some(before), Some(after)) => Some([after.across - before.across, after.along - before.along]),
+            _ => None,
         };
-        let turn = (after.across - before.across) * weight;
-        let rise = (after.along - before.along) * weight;
+        Between { whole, slope }
+    }
+
+    /// The same for sums that are divided by each other: near rims to digits of their own, and nowhere 0 in a support.
+    #[inline(always)]
+    fn between_for_means(
+        &self,
+        simd: S,
+        half: f32x16<S>,
+        [start, end]: [f32x16<S>; 2],
+        inside: f32x16<S>,
+        difference: Between<S>,
+    ) -> Between<S> {
+        let ChordCourse::Bending { .. } = self.course else {
+            return Between { whole: difference.whole.max(inside * MIN_KERNEL), ..difference };
+        };
+        let Between { whole, mut slope } = difference;
+        let parts = [self.part_at(simd, start), self.part_at(simd, end)];
+        let Some(rim) = RimSection::instead_of(simd, whole, half, parts) else { return difference };
+        if let Some([across, along]) = &mut slope {
+            *across = RimSection::pick(simd, whole, rim.across, *across);
+            *along = RimSection::pick(simd, whole, rim.along, *along);
+        }
+        let whole = RimSection::pick(simd, whole, rim.whole, whole);
+        Between { whole: whole.max(inside * MIN_RIM_KERNEL), slope }
+    }
+
+    /// ∫ of the gradient, times the splat's weight; `None` where it is not asked for.
+    #[inline(always)]
+    fn gradient(&self, between: &Between<S>, weight: f32) -> Option<[f32x16<S>; 3]> {
+        let (Some(gradients), Some([across, along])) = (&self.gradients, between.slope) else { return None };
+        let (turn, rise) = (across * weight, along * weight);
         let mut sum = gradients.across;
         for a in 0..3 {
             sum[a] = gradients.across[a] * turn + gradients.along[a] * rise;
@@ -142,17 +194,15 @@ impl Tile<'_> {
             let end = splat(simd, (sheet + 1) as f32 * painter.distance).max(near).min(far);
             let is_end = sheet == last && !leave.simd_gt(end).any_true();
             let after = if is_end { to_end } else { chords.up_to(simd, end) };
-            // Kernels of points are nowhere negative; polynomials and rounding might be.
-            let mut whole = (after.whole - before.whole).max(zero);
+            let mut between = chords.between(simd, &before, &after);
             if mixes {
-                // Nor do they vanish in a support, which a mean could not divide by.
                 let inside = (leave.min(end) - enter.max(start)).max(zero) * passing.speed;
-                whole = whole.max(inside * MIN_KERNEL);
+                between = chords.between_for_means(simd, chord.half, [start, end], inside, between);
             }
             let section = Section {
-                whole: whole * factor,
+                whole: between.whole * factor,
                 reach: Some([[start, end], [enter, leave]]),
-                gradient: chords.gradient(&before, &after, at.weight),
+                gradient: chords.gradient(&between, at.weight),
             };
             self.add_section(simd, [sheet as usize, number], section, carried);
             (before, start) = (after, end);

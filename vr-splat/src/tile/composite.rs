@@ -29,7 +29,7 @@ impl Tile<'_> {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
         let operator = painter.operator;
         let light = match &painter.content {
-            Content::Values { classifier, normalised, mixture, cells, shader } => {
+            Content::Values { classifier, normalised, mixture, colors, cells, shader } => {
                 // The value: a sum divided by weights, or by the length that supports cover.
                 let (sum, weight) = (self.sheets[at].load(simd), self.sheets[at + 1].load(simd));
                 let (length, divisor) = if *normalised {
@@ -61,6 +61,9 @@ impl Tile<'_> {
                 if let Some(cells) = cells {
                     let visible = self.in_visible_cells(simd, number, depth, cells);
                     there &= Lanes(visible).load(simd).simd_gt(zero);
+                }
+                if operator == Operator::Average && colors.is_some() {
+                    self.sum_colors(simd, number, depth, pick(there, length, zero));
                 }
                 if operator.picks() {
                     self.states[number].choose(simd, operator, value, length, [there, inside & !there], part);
@@ -97,8 +100,9 @@ impl Tile<'_> {
                         [light[0].load(simd), light[1].load(simd), light[2].load(simd), light[3].load(simd)]
                     }
                 };
-                let tint = match mixture {
-                    Some(mixture) if mixture.has_colors => Some(self.tint(simd, at + channels.color, weights)),
+                let tint = match (mixture, colors) {
+                    (Some(mixture), _) if mixture.has_colors => Some(self.tint(simd, at + channels.color, weights)),
+                    (_, Some(colors)) => Some(colors.at(simd, &self.place(simd, number, depth))),
                     _ => None,
                 };
                 match shader {
@@ -148,6 +152,16 @@ impl Tile<'_> {
         };
         self.states[number].blend(simd, operator, light, part);
         self.retire(simd, number);
+    }
+
+    /// Adds the colours of rays at a depth, each over a length, to the sums of those that are averaged.
+    #[inline(always)]
+    pub(super) fn sum_colors<S: Simd>(&mut self, simd: S, number: usize, depth: f32x16<S>, length: f32x16<S>) {
+        let Some(colors) = self.painter.colors() else { return };
+        let tint = colors.at(simd, &self.place(simd, number, depth));
+        for (sum, tint) in self.states[number].light.iter_mut().zip(tint) {
+            *sum = Lanes::new(sum.load(simd) + tint.load(simd) * length);
+        }
     }
 
     /// Returns the mean colour of the points in a sheet, whose sums of colours begin at a channel; white where there are none.

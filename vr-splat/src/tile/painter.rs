@@ -1,7 +1,7 @@
 //! Inputs that the tiles of a picture share, and the work on each.
 
 use fearless_simd::Level;
-use vr_kernels::vector::{LANES, Operator, OpticsTable};
+use vr_kernels::vector::{LANES, Operator, OpticsTable, VoxelColors};
 
 use crate::bins::Keyed;
 use crate::point_gradients::PointGradient;
@@ -54,6 +54,8 @@ pub(crate) enum Content<'a> {
         normalised: bool,
         /// Values and colours of points, by the numbers that their splats carry; `None` where sheets sum no weights.
         mixture: Option<&'a PointMixture>,
+        /// Colours of voxels; `None` where they have none.
+        colors: Option<&'a VoxelColors<'a>>,
         /// Cells in which something can be seen at all.
         cells: Option<VisibleCells<'a>>,
         /// Shading of light.
@@ -168,6 +170,15 @@ impl Painter<'_> {
                 (value, [r, g, b, 0.0])
             }
             _ => (splat.value, [0.0; 4]),
+        }
+    }
+
+    /// Colours of voxels that are classified sheet by sheet, or picked.
+    #[inline(always)]
+    pub(super) fn colors(&self) -> Option<&VoxelColors<'_>> {
+        match self.content {
+            Content::Values { colors, .. } => colors,
+            _ => None,
         }
     }
 

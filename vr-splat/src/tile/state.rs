@@ -8,6 +8,7 @@ use vr_kernels::vector::{LANES, Lanes, Operator, pick, share_to_level, splat};
 /// Sixteen pixels so far.
 #[derive(Clone, Copy)]
 pub(crate) struct State {
+    /// Light; or sums of colours times lengths, where values are averaged of voxels that have colours.
     pub(crate) light: [Lanes; 3],
     /// Transmittance.
     pub(crate) clear: Lanes,

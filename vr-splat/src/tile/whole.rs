@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_kernels::vector::{Lanes, opacity_of_depth, pick, source_weight, splat};
+use vr_kernels::vector::{Lanes, Operator, opacity_of_depth, pick, source_weight, splat};
 
 use crate::bins::Keyed;
 use crate::splat::Splat;
@@ -55,6 +55,9 @@ impl Tile<'_> {
                         let (depth, met) = (splat(simd, at.place[2]), weight.simd_gt(splat(simd, painter.min_met)));
                         let none = weight.simd_lt(weight);
                         let value = splat(simd, at.value);
+                        if painter.operator == Operator::Average {
+                            self.sum_colors(simd, number, depth, pick(met, weight, splat(simd, 0.0)));
+                        }
                         self.states[number].choose(simd, painter.operator, value, weight, [met, none], [depth; 2]);
                     } else {
                         let [r, g, b, kappa] = optics;

@@ -2,6 +2,7 @@
 
 mod cancelled;
 mod checks;
+mod colors;
 mod depth;
 mod filters;
 mod gradients;

@@ -82,7 +82,10 @@ impl BrickSource<'_> {
     /// Bytes of a brick.
     pub(crate) fn bytes(&self, region: &Region) -> u64 {
         let texel = match (self.key.light, self.compressed) {
-            (Some(key), _) => LightTexels::texel_bytes(self.format, key.seen.is_some(), self.key.levels.is_some()),
+            (Some(key), _) => {
+                let shaded = key.seen.is_some() || self.scene.volume.has_colors();
+                LightTexels::texel_bytes(self.format, shaded, self.key.levels.is_some())
+            }
             (None, Some(_)) => size_of::<f32>() as u64,
             (None, None) => self.volume.voxel_type().bytes() as u64,
         };

@@ -16,6 +16,8 @@ pub(crate) struct Blending<'a> {
     pub(crate) on_faces: bool,
     /// A pixel is done when no more than this could be added to any component; below 0: never.
     pub(crate) negligible: f32,
+    /// True if samples have colours, which are averaged as values are.
+    pub(crate) tinted: bool,
     /// The largest light, or opacity, that can come from behind, by what is left clear.
     pub(crate) max_behind: &'a Lanes,
 }
@@ -218,6 +220,11 @@ fn averages<S: Simd>(
         let live = sample(simd, how, which, rays, j).live & value.simd_eq(value);
         drawn += live.to_bitmask().count_ones();
         [sum, length, lost] = average(simd, live, [value, ratio], [sum, length, lost]);
+        if how.tinted {
+            for (sum, light) in state.sums[0].iter_mut().zip(&chunk.light[j]) {
+                *sum = Lanes::new(sum.load(simd) + pick(live, light.load(simd) * ratio, splat(simd, 0.0)));
+            }
+        }
     }
     (state.value, state.other, state.lost) = (Lanes::new(sum), Lanes::new(length), Lanes::new(lost));
     drawn

@@ -52,7 +52,7 @@ pub(crate) enum SampleSet<'a> {
 impl SampleSet<'_> {
     /// Positions in the middle of the segments that end at the samples `j` behind these, on faces of slabs.
     #[inline(always)]
-    pub(super) fn middle<S: Simd>(self, simd: S, rays: &Fragments, j: usize) -> [f32x16<S>; 3] {
+    pub(crate) fn middle<S: Simd>(self, simd: S, rays: &Fragments, j: usize) -> [f32x16<S>; 3] {
         let (begin, end) = (rays.begin.load(simd), rays.end.load(simd));
         let half = splat(simd, 0.5);
         let mut middle = [half; 3];
@@ -75,24 +75,29 @@ impl SampleSet<'_> {
         middle
     }
 
-    /// Places of the samples `j` behind these.
+    /// Positions of the samples `j` behind these, in texture coordinates.
     #[inline(always)]
-    fn place<S: Simd, X: Texture>(self, simd: S, texture: &X, rays: &Fragments, j: usize) -> Cells<S> {
+    pub(crate) fn position<S: Simd>(self, simd: S, rays: &Fragments, j: usize) -> [f32x16<S>; 3] {
         match self {
             SampleSet::Outer(end) => {
                 let at = &rays.outer[end];
-                texture.place(simd, [at[0].load(simd), at[1].load(simd), at[2].load(simd)])
+                [at[0].load(simd), at[1].load(simd), at[2].load(simd)]
             }
             SampleSet::From(number) => {
                 let n = number.load(simd) + j as f32;
-                let at = [
+                [
                     rays.base[0].load(simd) + n * rays.delta[0].load(simd),
                     rays.base[1].load(simd) + n * rays.delta[1].load(simd),
                     rays.base[2].load(simd) + n * rays.delta[2].load(simd),
-                ];
-                texture.place(simd, at)
+                ]
             }
         }
+    }
+
+    /// Places of the samples `j` behind these.
+    #[inline(always)]
+    fn place<S: Simd, X: Texture>(self, simd: S, texture: &X, rays: &Fragments, j: usize) -> Cells<S> {
+        texture.place(simd, self.position(simd, rays, j))
     }
 }
 

@@ -10,6 +10,7 @@ use super::state::State;
 use super::steepness::Steepness;
 use crate::fragments::Fragments;
 use crate::occupancy::Occupancy;
+use crate::tint::Tint;
 
 /// Inputs that all fragments of a picture share.
 #[derive(Clone, Copy)]
@@ -17,6 +18,8 @@ pub(crate) struct Pass<'a> {
     pub(crate) classifier: Classifier<'a>,
     /// `None`: opacity follows no gradient, or did so when texels were classified.
     pub(crate) steepness: Option<Steepness<'a>>,
+    /// Colours of voxels, by which the light of fragments is multiplied before it reflects, or that are averaged; `None` where there are none, or texels have them.
+    pub(crate) tint: Option<&'a Tint<'a>>,
     pub(crate) operator: Operator,
     /// Texels along each axis.
     pub(crate) dims: [usize; 3],
@@ -200,6 +203,9 @@ impl<S: Simd> March<'_, S> {
                 if let Some(steepness) = &pass.steepness {
                     steepness.integrate(simd, &self.before, &lengths, backwards, self.chunk);
                 }
+                if let Some(tint) = pass.tint {
+                    tint.multiply(simd, self.rays, which, true, self.chunk);
+                }
                 if let SampleSet::From(number) = which {
                     let (number, last) = (*number, self.chunk.len - 1);
                     self.keep(&number, last);
@@ -211,6 +217,11 @@ impl<S: Simd> March<'_, S> {
                 if let Some(steepness) = &pass.steepness {
                     steepness.classify(simd, ratio, self.chunk);
                 }
+                match pass.tint {
+                    Some(tint) if !pass.operator.picks() => tint.multiply(simd, self.rays, which, false, self.chunk),
+                    Some(tint) if pass.operator == Operator::Average => tint.put(simd, self.rays, which, self.chunk),
+                    _ => {}
+                }
             }
         }
         if let Some(lit) = &self.lit {
@@ -220,6 +231,7 @@ impl<S: Simd> March<'_, S> {
             operator: pass.operator,
             on_faces: pass.on_faces,
             negligible: pass.negligible,
+            tinted: pass.tint.is_some(),
             max_behind: self.max_behind,
         };
         let drawn = blend(simd, &how, which, self.rays, self.chunk, self.state);

@@ -15,6 +15,7 @@ mod waiting;
 mod whole_slices;
 
 pub(crate) use bricks::Bricked;
+pub(crate) use chunk::{Chunk, SampleSet};
 pub(crate) use classify::Classifier;
 pub(crate) use march::Pass;
 pub(crate) use state::State;

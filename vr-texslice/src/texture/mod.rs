@@ -10,7 +10,7 @@ mod voxels;
 pub(crate) use blocks::Blocks;
 pub(crate) use brick::{BrickPart, Decoded, InBrick};
 pub(crate) use light::visit_light;
-pub(crate) use sliced::InSlices;
+pub(crate) use sliced::{InSlices, on_slices};
 pub(crate) use voxels::{Relief, Voxels};
 
 use fearless_simd::{Simd, f32x16};

@@ -52,7 +52,7 @@ impl<V: TextureVisitor> TextureVisitor for InSlices<V> {
 
 /// Positions along a stack inside the box, moved to the nearest slice, so many to a layer.
 #[inline(always)]
-pub(super) fn on_slices<S: Simd>(simd: S, at: f32x16<S>, per_layer: f32, max: f32) -> f32x16<S> {
+pub(crate) fn on_slices<S: Simd>(simd: S, at: f32x16<S>, per_layer: f32, max: f32) -> f32x16<S> {
     let slice: i32x16<S> = (at * per_layer + 0.5).to_int();
     // Divided, a slice on a layer is there to the last bit: beside holes it matters.
     inside(simd, slice.to_float::<f32x16<S>>() / per_layer, max)

@@ -4,6 +4,7 @@ mod bricks;
 mod cancelled;
 mod capabilities;
 mod checks;
+mod colors;
 mod depths;
 mod every_setting;
 mod gradients;
