@@ -81,3 +81,33 @@ fn exit_codes_are_documented() {
         assert!(help.contains("Exit codes:") && help.contains("  3  "), "{help}");
     }
 }
+
+#[test]
+fn a_quality_is_what_it_stands_for() {
+    let vr = Vr::new();
+    vr.write("scene.toml", format!("{JUMPS}\n[render]\nmax_error = 0.004\n"));
+    let run = |flags: &str| vr.run(&format!("render --scene scene.toml --error none -o p.png --force --json {flags}"));
+    for (quality, option) in [("draft", "quality=draft"), ("normal", "quality=normal"), ("fine", "quality=fine")] {
+        // The flag overrides the bound of the scene file.
+        let (by_flag, by_option) = (run(&format!("--quality {quality}")).json(), {
+            vr.write("plain.toml", JUMPS);
+            vr.run(&format!("render --scene plain.toml --error none -o q.png --force --json --set {option}")).json()
+        });
+        assert_eq!(by_flag["samples"], by_option["samples"], "{quality}");
+        assert!(by_flag["promise"].is_null(), "{by_flag}");
+        assert_eq!(vr.picture("p.png"), vr.picture("q.png"), "{quality}");
+    }
+    assert_eq!(run("--quality proven").json()["promise"]["max_error"].as_f64(), Some(0.004));
+    for (flags, words) in [
+        ("--quality draft --renderer shearwarp", &["shearwarp", "--target-rmse"][..]),
+        ("--quality draft --set step=1", &["quality", "steps=auto"]),
+        ("--quality draft --set quality=fine", &["--quality", "--set quality"]),
+        ("--quality draft --max-error 0.1", &["--quality", "--max-error"]),
+        ("--quality best", &["draft", "proven"]),
+    ] {
+        let message = run(flags).failed(2);
+        for word in words {
+            assert!(message.contains(word), "{flags}: {message}");
+        }
+    }
+}
