@@ -33,8 +33,8 @@ fn documented(scene: &str) -> f64 {
         // Finite jumps between voxels of noise: each is known to a step.
         "gauss_jumps_only" => 2e-2,
         // Noise and lines from voxel to voxel, faster than what the aim was calibrated on.
-        "t7_values_1e-40" | "t7_values_pm3e38" => 2e-3,
-        "wires" => 2.5e-3,
+        "t7_values_1e-40" | "t7_values_pm3e38" => 3.3e-3,
+        "wires" => 4.5e-3,
         _ => 2.0 * vr_raycast::Step::ERROR,
     }
 }

@@ -165,9 +165,10 @@ pub struct RendererArgs {
     /// Set an option of the renderer (vr help raycast lists its own); may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = value::key_value)]
     pub set: Vec<(String, String)>,
-    /// Quality of the picture: draft, normal or fine aim at an RMSE of 0.004 (a level of 8 bits), 0.001 or 0.00025 with as little work as that takes; proven
-    /// bounds the error of every pixel by 0.004
-    #[arg(long, value_name = "WHICH", conflicts_with = "max_error")]
+    /// Quality of the picture: draft, normal, fine or proven
+    ///
+    /// Draft, normal and fine aim at an RMSE of 0.004 (a level of 8 bits), 0.001 and 0.00025; proven bounds the error of every pixel by 0.004.
+    #[arg(long, value_name = "WHICH", conflicts_with = "max_error", hide_possible_values = true)]
     pub quality: Option<Quality>,
     /// Bound the error of every pixel by E; renderers that cannot do so refuse. Exit code 3 where the bound is not proven for every pixel
     #[arg(long, value_name = "E")]

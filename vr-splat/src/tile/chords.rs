@@ -86,10 +86,7 @@ impl<S: Simd> Chords<S> {
     fn between(&self, simd: S, before: &UpTo<S>, after: &UpTo<S>) -> Between<S> {
         // Kernels of points are nowhere negative; polynomials and rounding might be.
         let whole = (after.whole - before.whole).max(splat(simd, 0.0));
-        #[expect(
-            clippy::manual_map,
-            reason = "a closure is not compiled for the vectors' instructions where it is not inlined"
-        )]
+        // No closure: it is not compiled for the vectors' instructions where it is not inlined.
         let slope = match (before.gradient, after.gradient) {
             (Some(before), Some(after)) => Some([after.across - before.across, after.along - before.along]),
             _ => None,

@@ -49,7 +49,9 @@ impl Gallery {
     fn check(&mut self, name: &str, agreement: Agreement) {
         let loaded = vr_io::read(self.path(name), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
         self.check_places(name, &loaded);
-        self.vr.run(&format!("render {name} --size 72x64 --error none -o x.png {}", self.flags)).succeeded();
+        self.vr
+            .run(&format!("render {name} --size 72x64 --quality fine --error none -o x.png {}", self.flags))
+            .succeeded();
         let picture = self.vr.picture("x.png").to_rgb8();
         let Some(expected) = &self.expected else {
             self.expected = Some(picture);
