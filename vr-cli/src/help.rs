@@ -29,7 +29,7 @@ const DRAWING: [&str; 10] =
     ["render", "compare", "bench", "report", "turntable", "animate", "presets", "scene", "ray", "physics"];
 
 /// Flags of the headings below that the short help shows; flags of other headings are all shown.
-const ESSENTIAL: [&str; 31] = [
+const ESSENTIAL: [&str; 30] = [
     "path",
     "phantom",
     "scene",
@@ -53,7 +53,6 @@ const ESSENTIAL: [&str; 31] = [
     "target_rmse",
     "outputs",
     "annotate",
-    "title",
     "show",
     "error",
     "frames",
