@@ -29,7 +29,7 @@ const DRAWING: [&str; 10] =
     ["render", "compare", "bench", "report", "turntable", "animate", "presets", "scene", "ray", "physics"];
 
 /// Flags of the headings below that the short help shows; flags of other headings are all shown.
-const ESSENTIAL: [&str; 30] = [
+const ESSENTIAL: [&str; 29] = [
     "path",
     "phantom",
     "scene",
@@ -57,7 +57,6 @@ const ESSENTIAL: [&str; 30] = [
     "error",
     "frames",
     "turn",
-    "fps",
     "time_series",
     "quiet",
 ];

