@@ -118,17 +118,23 @@ impl Codes {
         self.codes[usize::from(((stored - self.low) * self.levels_per_value + 0.5) as u8)]
     }
 
-    /// True if a voxel is visible, or the field on the way to the next one along any axis: it may pass what is visible between two voxels that are not.
+    /// True if a voxel is visible, or the way from it to the next along an axis.
     fn is_seen<T: Voxel>(&self, lattice: &Lattice<'_, T>, at: [usize; 3]) -> bool {
         let code = |[x, y, z]: [usize; 3]| self.of(lattice.samples[lattice.offset(x, y, z)].to_f32());
-        let here = code(at);
-        let passes = |a: usize| {
+        let next = |a: usize| {
             let mut next = at;
-            next[a] += 1;
-            next[a] < lattice.dims[a] && code(next) != here
+            next[a] = (next[a] + 1).min(lattice.dims[a] - 1);
+            code(next)
         };
-        here % 2 == 1 || (0..3).any(passes)
+        shows(code(at), [next(0), next(1), next(2)])
     }
+}
+
+/// True if a voxel of a code is visible, or the way to one of the next along the axes, whose codes are given: the field may pass what is visible between two
+/// voxels that are not.
+#[inline(always)]
+fn shows(here: u8, next: [u8; 3]) -> bool {
+    here % 2 == 1 || next.iter().any(|&next| next != here)
 }
 
 /// Search for blocks with thin parts.
@@ -234,10 +240,7 @@ impl SeenVoxels {
             for y in 0..dims[1] {
                 let row = |y: usize, z: usize| &coded[(z * high + y) * wide..][..wide];
                 let (this, beside, behind) = (row(y, z), row(y + 1, z), row(y, z + 1));
-                let is_seen = |x: usize| {
-                    let code = this[x];
-                    code % 2 == 1 || code != this[x + 1] || code != beside[x] || code != behind[x]
-                };
+                let is_seen = |x: usize| shows(this[x], [this[x + 1], beside[x], behind[x]]);
                 words.extend((0..dims[0]).step_by(64).map(|start| {
                     let part = start..(start + 64).min(dims[0]);
                     part.fold(0u64, |word, x| word | u64::from(is_seen(x)) << (x - start))

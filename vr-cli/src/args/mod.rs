@@ -183,15 +183,10 @@ impl RendererArgs {
     pub fn with_quality(&self, renderer: &str, has_qualities: bool) -> Result<Self, String> {
         let Some(quality) = self.quality else { return Ok(self.clone()) };
         let mut with = Self { quality: None, ..self.clone() };
-        let option = match quality {
-            Quality::Proven => {
-                with.max_error = Some(PROVEN);
-                return Ok(with);
-            }
-            Quality::Draft => "draft",
-            Quality::Normal => "normal",
-            Quality::Fine => "fine",
-        };
+        if quality == Quality::Proven {
+            with.max_error = Some(PROVEN);
+            return Ok(with);
+        }
         if !has_qualities {
             return Err(format!(
                 "--quality: renderer {renderer} has no setting by error; vr help {renderer} lists those that it has, and --target-rmse tries them"
@@ -200,7 +195,9 @@ impl RendererArgs {
         if self.set.iter().any(|(key, _)| key == QUALITY) {
             return Err("--quality and --set quality say the same: leave one of them out".to_owned());
         }
-        with.set.push((QUALITY.to_owned(), option.to_owned()));
+        // The renderer's names are those of the flag.
+        let name = quality.to_possible_value().expect("no quality is skipped");
+        with.set.push((QUALITY.to_owned(), name.get_name().to_owned()));
         Ok(with)
     }
 }

@@ -5,7 +5,7 @@ use fearless_simd::{Simd, f32x16};
 use vr_core::{ColorGrid, Filter};
 
 use super::Lanes;
-use super::field::{Field, Stage, cells, inside};
+use super::field::{Cells, Field, Stage, cells, inside};
 
 /// Colours of voxels, as packets of sixteen read them: see [`ColorGrid::color`].
 #[derive(Clone, Copy, Debug)]
@@ -39,19 +39,26 @@ impl<'a> VoxelColors<'a> {
                     position[a] = inside(simd, place[a].load(simd), (self.dims[a] - 1) as f32);
                 }
                 let at = cells(simd, position, self.dims.map(|n| n as i32 - 2));
-                let mut stage = Stage::default();
-                for c in 0..3 {
-                    let channel = &self.channels[c];
-                    let stored = if self.is_nearest {
-                        f32x16::load_array(simd, channel.nearest(simd, &at))
-                    } else {
-                        channel.fetch(simd, &at, &mut stage);
-                        channel.value(simd, &at, &stage)
-                    };
-                    light[c] = Lanes::new(stored * (1.0 / f32::from(ColorGrid::WHITE)));
-                }
+                light = self.in_cells(simd, &at, &mut Stage::default()).map(Lanes::new);
             },
         );
+        light
+    }
+
+    /// The same at places whose cells are known; `stage` holds nothing between calls.
+    #[inline(always)]
+    pub fn in_cells<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Stage<u16>) -> [f32x16<S>; 3] {
+        let mut light = [f32x16::splat(simd, 0.0); 3];
+        for c in 0..3 {
+            let channel = &self.channels[c];
+            let stored = if self.is_nearest {
+                f32x16::load_array(simd, channel.nearest(simd, at))
+            } else {
+                channel.fetch(simd, at, stage);
+                channel.value(simd, at, stage)
+            };
+            light[c] = stored * (1.0 / f32::from(ColorGrid::WHITE));
+        }
         light
     }
 }

@@ -13,7 +13,7 @@
 
 use vr_core::{
     AnyGrid, Camera, ColorGrid, Control, ControlPoint, Filter, Light, Model, OpacityRule, Placement, Rendered,
-    Renderer, Scene, Shading, TransferFunction, UniformGrid, View, phantom,
+    Renderer, Scene, Shading, TransferFunction, UniformGrid, View, Volume, phantom,
 };
 
 use crate::{Metrics, Reference};
@@ -46,6 +46,14 @@ pub fn colored_scene(filter: Filter) -> Scene {
     let points = vec![ControlPoint::new(20.0, [1.0; 3], 0.0), ControlPoint::new(255.0, [1.0, 0.9, 0.8], 0.4)];
     let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).expect("two points in order");
     Scene::new(colors.into(), transfer).with_filter(filter)
+}
+
+/// Returns a scene of voxels with colours twice: of the values alone, and with every voxel white. They are the same medium.
+pub fn plain_and_white(colored: &Scene) -> [Scene; 2] {
+    let values = colored.volume.colors().expect("voxels with colours").values();
+    let white = [(); 3].map(|()| vec![ColorGrid::WHITE; values.dims().iter().product()]);
+    let white = ColorGrid::new(values.as_ref().clone(), white).expect("a colour for each voxel");
+    [Volume::Grid(values.clone()), white.into()].map(|volume| Scene { volume, ..colored.clone() })
 }
 
 /// Returns looks of a scene of values up to 255: as it is, shaded, with opacity by the gradient as well, and shining with an emission of its own.

@@ -1,7 +1,7 @@
 //! Classes of steps by the range of values of a block: the longest step that the medium allows.
 
 use vr_core::transfer::Optical;
-use vr_core::{Calibration, Scene, TransferFunction};
+use vr_core::{Scene, TransferFunction};
 use vr_kernels::ranges::LevelRanges;
 
 use crate::caster::Step;
@@ -172,14 +172,7 @@ impl LevelVariations {
 }
 
 impl Classes {
-    pub(super) fn new(
-        levels: &LevelRanges,
-        (scene, integrated): (&Scene, Option<SharpValues>),
-        calibration: Calibration,
-        voxel: f64,
-        error: f64,
-    ) -> Self {
-        let variations = LevelVariations::new(scene, integrated, |level| calibration.value(levels.stored(level as u8)));
+    pub(super) fn new(variations: &LevelVariations, voxel: f64, error: f64) -> Self {
         // An empty range (all vacuum) is clear.
         let mut table = vec![CLEAR; LEVELS * LEVELS];
         variations.each_range(|low, high, variation| {

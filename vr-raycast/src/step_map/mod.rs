@@ -16,7 +16,7 @@ use vr_core::{Calibration, Filter, GradientMethod, Scene, Shading};
 use vr_kernels::ranges::LevelRanges;
 
 use crate::leap::{VisibleBlocks, chessboard_distances};
-use classes::{Classes, class_of, step_of};
+use classes::{Classes, LevelVariations, class_of, step_of};
 
 /// Map with a byte per block of 4³ cells: the step to take in it, or its distance from anything visible.
 ///
@@ -102,7 +102,8 @@ impl StepMap {
         voxel: f64,
         error: f64,
     ) -> Self {
-        let by_range = Classes::new(levels, (scene, integrated), calibration, voxel, error);
+        let variations = LevelVariations::new(scene, integrated, |level| calibration.value(levels.stored(level as u8)));
+        let by_range = Classes::new(&variations, voxel, error);
         let blocks = levels.blocks();
         let mut bytes: Vec<u8> = collect(levels.ranges().len(), |i| by_range.of(levels.ranges()[i]));
         let mut distances: Vec<u8> = bytes.iter().map(|&b| if b == CLEAR { u8::MAX } else { 0 }).collect();

@@ -4,18 +4,7 @@ use glam::DVec3;
 use vr_core::*;
 use vr_raycast::{ImageSampling, Quality, RayCaster, Rule, Step};
 
-use crate::common::{max_error, oblique, phantom_scenes, render, rms, transfer, truth, volume};
-
-/// Numbers from 0 to 1, one after the other, by a seed (Marsaglia's xorshift, 2003).
-fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
-    move || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
+use crate::common::{max_error, oblique, phantom_scenes, random, render, rms, transfer, truth, volume};
 
 /// Scenes whose transfer functions change within less than 2 % of the range of values: shells of 1 % and of a thousandth, nested shells, and a jump in a field
 /// with noise.
@@ -30,22 +19,17 @@ fn sharp_scenes() -> Vec<(&'static str, Scene)> {
         random();
         ball(p) + 20.0 * (random() - 0.5)
     };
+    let of = |field: &dyn Fn(DVec3) -> f64| volume([n; 3], |x, y, z| field(DVec3::new(x, y, z)));
     let nested: Vec<_> =
         [(100.0, 0.2), (150.0, 0.4), (190.0, 0.8)].into_iter().flat_map(|(v, a)| shell(v, 2.0, a)).collect();
     vec![
-        (
-            "shell of 1 %",
-            Scene::new(volume([n; 3], |x, y, z| ball(DVec3::new(x, y, z))), transfer(&shell(160.0, 1.3, 0.6), 1.0)),
-        ),
-        (
-            "shell of a thousandth",
-            Scene::new(volume([n; 3], |x, y, z| ball(DVec3::new(x, y, z))), transfer(&shell(160.0, 0.13, 0.9), 1.0)),
-        ),
-        ("nested shells", Scene::new(volume([n; 3], |x, y, z| ball(DVec3::new(x, y, z))), transfer(&nested, 1.0))),
+        ("shell of 1 %", Scene::new(of(&ball), transfer(&shell(160.0, 1.3, 0.6), 1.0))),
+        ("shell of a thousandth", Scene::new(of(&ball), transfer(&shell(160.0, 0.13, 0.9), 1.0))),
+        ("nested shells", Scene::new(of(&ball), transfer(&nested, 1.0))),
         (
             "jump in noise",
             Scene::new(
-                volume([n; 3], |x, y, z| noise(DVec3::new(x, y, z))),
+                of(&noise),
                 transfer(
                     &[
                         (90.0, white, 0.0),
@@ -76,31 +60,25 @@ fn qualities_come_near_the_error_they_aim_at() {
     }
 }
 
+/// Asserts that two casters draw a view alike, bit for bit.
+#[track_caller]
+fn assert_alike(casters: [&RayCaster; 2], (scene, view): (&Scene, &View), what: &str) {
+    let [one, other] = casters.map(|caster| render(caster, scene, view).frame);
+    assert_eq!(one, other, "{what}");
+}
+
 #[test]
 fn sharp_transfer_functions_are_integrated_over_all_values() {
+    let of_rule = |rule| RayCaster { rule, ..RayCaster::default() };
+    let nearest = |caster: RayCaster| RayCaster { filter: Some(Filter::Nearest), ..caster };
     for (name, scene) in sharp_scenes() {
-        let view = oblique(&scene, 20);
-        let quadratic = RayCaster { rule: Rule::Quadratic, ..RayCaster::default() };
-        assert_eq!(
-            render(&RayCaster::default(), &scene, &view).frame,
-            render(&quadratic, &scene, &view).frame,
-            "{name}"
-        );
+        let seen = (&scene, &oblique(&scene, 20));
+        assert_alike([&RayCaster::default(), &of_rule(Rule::Quadratic)], seen, name);
         // Under the filter nearest no value lies between two voxels.
-        let nearest = RayCaster { filter: Some(Filter::Nearest), ..RayCaster::default() };
-        let midpoint = RayCaster { rule: Rule::Midpoint, ..nearest.clone() };
-        assert_eq!(render(&nearest, &scene, &view).frame, render(&midpoint, &scene, &view).frame, "{name}");
+        assert_alike([&nearest(RayCaster::default()), &nearest(of_rule(Rule::Midpoint))], seen, name);
     }
-    for (name, scene) in
-        phantom_scenes(24).into_iter().filter(|(name, _)| name.contains("fog") || name.contains("blobs"))
-    {
-        let view = oblique(&scene, 20);
-        let midpoint = RayCaster { rule: Rule::Midpoint, ..RayCaster::default() };
-        assert_eq!(
-            render(&RayCaster::default(), &scene, &view).frame,
-            render(&midpoint, &scene, &view).frame,
-            "{name}"
-        );
+    for (name, scene) in phantom_scenes(24).into_iter().filter(|(name, _)| ["fog", "blobs"].contains(name)) {
+        assert_alike([&RayCaster::default(), &of_rule(Rule::Midpoint)], (&scene, &oblique(&scene, 20)), name);
     }
 }
 
@@ -145,9 +123,8 @@ fn automatic_rays_are_fewer_and_miss_nothing() {
 #[test]
 fn small_pictures_and_given_steps_have_the_rays_of_every_pixel() {
     let (_, scene) = phantom_scenes(32).remove(0);
-    let every = |caster: RayCaster| RayCaster { image_sampling: ImageSampling::EveryPixel, ..caster };
     for (caster, side) in [(RayCaster::default(), SIDE - 1), (RayCaster::uniform(1.0), SIDE)] {
-        let view = oblique(&scene, side);
-        assert_eq!(render(&caster, &scene, &view).frame, render(&every(caster), &scene, &view).frame, "{side}");
+        let every = RayCaster { image_sampling: ImageSampling::EveryPixel, ..caster.clone() };
+        assert_alike([&caster, &every], (&scene, &oblique(&scene, side)), &format!("{side}"));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::common;
 
-use crate::common::{max_error, rms, transfer};
+use crate::common::{max_error, random, rms, transfer};
 use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
@@ -18,13 +18,7 @@ fn caster(screen: ImageSampling) -> RayCaster {
 
 /// A scene of balls in a clear box, of any placement.
 fn balls(seed: u64, dims: [usize; 3], placement: Placement) -> Scene {
-    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
-    let mut random = move || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1u64 << 53) as f64
-    };
+    let mut random = random(seed);
     let size = DVec3::from_array(dims.map(|n| (n - 1) as f64));
     let balls: Vec<(DVec3, f64)> = (0..6)
         .map(|_| (DVec3::new(random(), random(), random()) * size, (0.05 + 0.1 * random()) * size.max_element()))

@@ -4,6 +4,12 @@ use vr_core::*;
 use vr_physics::check::pictures::*;
 use vr_shearwarp::{EmptySpace, ShearWarp};
 
+/// The largest difference of any component of two pictures.
+fn largest_difference([a, b]: &[Frame; 2]) -> f32 {
+    let pairs = a.pixels().iter().flatten().zip(b.pixels().iter().flatten());
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
 const VIEWS: [(f64, f64, Option<f64>); 2] = [(33.0, 21.0, None), (-60.0, 50.0, Some(35.0))];
 
 #[test]
@@ -60,10 +66,10 @@ fn either_encoding_has_the_same_picture() {
     for (name, scene) in looks_of_bytes(&colored_scene(Filter::Trilinear)) {
         for (azimuth, elevation, fov) in VIEWS {
             let view = view(&scene, azimuth, elevation, fov, 24);
-            let [runs, octree] = [EmptySpace::Runs, EmptySpace::Octree]
-                .map(|empty_space| draw(&ShearWarp { empty_space, ..ShearWarp::default() }, &scene, &view).frame);
-            let off = runs.pixels().iter().zip(octree.pixels()).flat_map(|(a, b)| (0..4).map(|c| (a[c] - b[c]).abs()));
-            let off = off.fold(0.0, f32::max);
+            let off = largest_difference(
+                &[EmptySpace::Runs, EmptySpace::Octree]
+                    .map(|empty_space| draw(&ShearWarp { empty_space, ..ShearWarp::default() }, &scene, &view).frame),
+            );
             assert!(off < 1e-5, "{name} {azimuth}: {off}");
         }
     }
@@ -71,18 +77,13 @@ fn either_encoding_has_the_same_picture() {
 
 #[test]
 fn white_is_no_colour() {
-    let colored = colored_scene(Filter::Trilinear);
-    let values = colored.volume.colors().unwrap().values();
-    let white = [(); 3].map(|()| vec![ColorGrid::WHITE; values.dims().iter().product()]);
-    let white = ColorGrid::new(values.as_ref().clone(), white).unwrap();
-    let grid = Scene { volume: Volume::Grid(values.clone()), ..colored.clone() };
+    let scenes = plain_and_white(&colored_scene(Filter::Trilinear));
     for compositing in [Compositing::Over, Compositing::Average, Compositing::Maximum] {
-        let plain = Scene { compositing, ..grid.clone() };
-        let white = Scene { volume: white.clone().into(), ..plain.clone() };
-        let view = view(&plain, 33.0, 21.0, None, 24);
-        let [a, b] = [&plain, &white].map(|scene| draw(&ShearWarp::default(), scene, &view).frame);
-        let off = a.pixels().iter().zip(b.pixels()).flat_map(|(a, b)| (0..4).map(|c| (a[c] - b[c]).abs()));
-        let off = off.fold(0.0, f32::max);
+        let view = view(&scenes[0], 33.0, 21.0, None, 24);
+        let frames = scenes
+            .each_ref()
+            .map(|scene| draw(&ShearWarp::default(), &Scene { compositing, ..scene.clone() }, &view).frame);
+        let off = largest_difference(&frames);
         // Optical depths in the place of opacities, and sums of sixteenths of white.
         assert!(off < 1e-5, "{}: {off}", compositing.name());
     }

@@ -1,7 +1,5 @@
 //! Grids whose voxels have colours: against the renderer's own model, and against the reference.
 
-use std::sync::Arc;
-
 use vr_core::*;
 use vr_physics::check::pictures::*;
 use vr_splat::{Buffers, Shape, SplatKernel, Splatter};
@@ -82,15 +80,11 @@ fn every_operator_has_the_colour_of_the_place() {
 /// White voxels leave what is drawn of values as it is without them.
 #[test]
 fn white_is_no_colour() {
-    let colored = colored_scene(Filter::Trilinear);
-    let values = colored.volume.colors().unwrap().values();
-    let white = [(); 3].map(|()| vec![ColorGrid::WHITE; values.dims().iter().product()]);
-    let white = ColorGrid::new(values.as_ref().clone(), white).unwrap();
-    let grid = Scene { volume: Volume::Grid(Arc::clone(values)), ..colored.clone() };
+    let [grid, white] = plain_and_white(&colored_scene(Filter::Trilinear));
     for shape in [Shape::Bilinear, Shape::Gaussian] {
         let renderer = Splatter { kernel: SplatKernel::new(shape), ..Splatter::default() };
         for (name, scene) in looks_of_bytes(&grid) {
-            let white = Scene { volume: white.clone().into(), ..scene.clone() };
+            let white = Scene { volume: white.volume.clone(), ..scene.clone() };
             let view = view(&scene, 33.0, 21.0, None, 16);
             let [a, b] = [&scene, &white].map(|scene| draw(&renderer, scene, &view).frame);
             assert_eq!(a.pixels(), b.pixels(), "{shape:?} {name}");

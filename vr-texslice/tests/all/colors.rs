@@ -102,7 +102,7 @@ fn bricks_are_the_same_picture() {
     }
 }
 
-/// What was made for one scene serves another only as far as it goes.
+/// Textures of one scene are kept for the next only where they hold for it.
 #[test]
 fn an_update_is_a_new_preparation() {
     let control = Control::default();

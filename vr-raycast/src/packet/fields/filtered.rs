@@ -5,7 +5,8 @@ use fearless_simd::{Simd, f32x16};
 use vr_core::filter::Lattice;
 use vr_core::{ColorGrid, Filter, GradientMethod, GridVolume};
 use vr_kernels::vector::{
-    AnyField, AxisWeights, ByType, Cells, LANES, Lanes, Shade, Stage, StepOptics, WideField, central_differences,
+    AnyField, AxisWeights, ByType, Cells, LANES, Lanes, Shade, Stage, StepOptics, VoxelColors, WideField,
+    central_differences,
 };
 
 use super::PacketField;
@@ -14,7 +15,7 @@ use super::by_type::{
     with_type,
 };
 use super::cells_of;
-use super::colors::PacketColors;
+use super::colors::tint;
 use crate::packet::engine::with_voxels;
 
 /// Field of any voxels under any filter, with gradients of either kind and with colours.
@@ -24,7 +25,7 @@ pub(crate) struct FilteredField<'a> {
     voxels: AnyField<'a>,
     sampling: Sampling<'a>,
     gradient: GradientMethod,
-    colors: Option<PacketColors<'a>>,
+    colors: Option<VoxelColors<'a>>,
 }
 
 /// Source of the values.
@@ -115,7 +116,7 @@ impl<'a> FilteredField<'a> {
                 with_voxels!(volume, lattice => Sampling::Block(OfType::wide_field(WideField::new(&lattice, filter)?)))
             }
         };
-        Some(Self { voxels: AnyField::of_volume(volume), sampling, gradient, colors: colors.map(PacketColors::new) })
+        Some(Self { voxels: AnyField::of_volume(volume), sampling, gradient, colors: colors.map(VoxelColors::new) })
     }
 
     /// Writes the values at places, from voxels that are staged on the way.
@@ -207,14 +208,14 @@ impl PacketField for FilteredField<'_> {
             #[inline(always)]
             || {
                 let gradients = shade.map(|_| self.gradients(simd, place, step, stage));
-                let mut tint = |light: &mut [Lanes; 4]| {
+                let mut in_colors = |light: &mut [Lanes; 4]| {
                     if let Some(colors) = &self.colors {
-                        colors.tint(simd, place, light, &mut stage.colors);
+                        tint(simd, colors, place, light, &mut stage.colors);
                     }
                 };
                 match (shade, gradients) {
-                    (Some(shade), Some(gradients)) => shade.apply_by(simd, &gradients, optics, light, tint),
-                    _ => tint(light),
+                    (Some(shade), Some(gradients)) => shade.apply_by(simd, &gradients, optics, light, in_colors),
+                    _ => in_colors(light),
                 }
             },
         );

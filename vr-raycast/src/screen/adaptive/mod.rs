@@ -27,11 +27,13 @@ const MOSTLY: f64 = 0.9;
 /// corners differ, and so follows every slope; a slope that stays the same is interpolated exactly. What lies between the rays is
 /// interpolated by cubics through four neighbours, x first: a smooth picture is right to the fourth order of the distance.
 ///
-/// That all corners of a cell lie on a line bounds what is inside it by no law: something small may stand between the rays. Three things are there
-/// for that. The neighbours of what bends are refined, too. What bends where refined cells end is followed beyond them, two pixels at a time, for as
-/// long as it goes on: of a thin line, one ray that meets it finds all. And cells in which [`ThinParts`] show are traced whole. The tests measure the rest.
+/// A cell may hold something small even though its corners lie on a line: it stands between the rays. Three things find most of it. First, the neighbours of
+/// a cell that is refined are refined, too. Second, where the picture bends at the side of a refined cell, refinement goes on beyond that side, two pixels at
+/// a time, until nothing bends: one ray that meets a thin line finds all of it. Third, every pixel is traced in cells in which [`ThinParts`] show. How much is
+/// still missed is measured by the tests.
 ///
-/// Where most of what shows is refined, that is traced whole: rays of every other pixel take as long, since packets hold neighbours.
+/// Where nearly all cells that show anything are refined, every pixel in them is traced at once. Packets of neighbouring pixels are so much faster than those
+/// of every other pixel that nothing would be saved.
 ///
 /// A threshold of 0 traces every pixel. Cells in which an opaque layer shows are traced whole: layers have edges that no corner
 /// tells of. Depth is interpolated linearly where both neighbours have one, and taken from one of them elsewhere.
@@ -68,8 +70,7 @@ pub(crate) fn adaptive(
             differing.add(&whole);
             differing.grown(&cells)
         });
-        let shown = cells.within(&canvas.seen(spacing));
-        if spacing == COARSE && refined.common(&shown) as f64 > MOSTLY * shown.common(&shown) as f64 {
+        if spacing == COARSE && is_most_of(&refined, &cells.within(&canvas.seen(spacing))) {
             // Hardly any ray would be left out in them: those of neighbouring pixels run together.
             trace_whole(tracer, &mut canvas, refined, threshold as f32, &mut stats)?;
             break;
@@ -87,7 +88,12 @@ pub(crate) fn adaptive(
     Ok(Rendered { frame, stats })
 }
 
-/// Traces all pixels of cells of the coarse grid, and those of others at whose sides what is interpolated there bends; interpolates the rest.
+/// True if cells are nearly all of those in which something shows.
+fn is_most_of(cells: &Cells, shown: &Cells) -> bool {
+    cells.common(shown) as f64 > MOSTLY * shown.common(shown) as f64
+}
+
+/// Traces all pixels of cells of the coarse grid, and of others for as long as what is interpolated in them bends at the sides of these; interpolates the rest.
 fn trace_whole(
     tracer: &dyn Tracer,
     canvas: &mut Canvas<'_>,
@@ -96,27 +102,18 @@ fn trace_whole(
     stats: &mut RenderStats,
 ) -> Result<(), RenderError> {
     let all = Cells::all(canvas.points(COARSE));
-    let (mut added, mut is_first) = (cells.clone(), true);
-    loop {
-        let wanted = added.points(COARSE as u32, |at| canvas.claim(at, 1));
-        stats.time("rays", || canvas.trace(tracer, &wanted, 1))?;
-        // Once for all sides, and in the end.
-        if is_first {
-            interpolate_all(canvas, stats);
-        }
-        is_first = false;
-        let reached = stats.time("refinement", || {
-            let pixels = (0..COARSE.ilog2()).fold(added.clone(), |cells, _| cells.quartered());
-            let bent = canvas.bent(&pixels, 1, threshold);
-            all.touching(&bent, COARSE).without(&cells)
-        });
-        if reached.is_empty() {
-            interpolate_all(canvas, stats);
-            return Ok(());
-        }
-        cells.add(&reached);
-        added = reached;
+    let pixels_of = |canvas: &mut Canvas<'_>, cells: &Cells| cells.points(COARSE as u32, |at| canvas.claim(at, 1));
+    let pixels = pixels_of(canvas, &cells);
+    stats.time("rays", || canvas.trace(tracer, &pixels, 1))?;
+    interpolate_all(canvas, stats);
+    let reach = |canvas: &Canvas<'_>, added: &Cells| {
+        let pixels = (0..COARSE.ilog2()).fold(added.clone(), |cells, _| cells.quartered());
+        all.touching(&canvas.bent(&pixels, 1, threshold), COARSE)
+    };
+    if spread(tracer, canvas, (&mut cells, 1), reach, pixels_of, stats)? {
+        interpolate_all(canvas, stats);
     }
+    Ok(())
 }
 
 /// Interpolates all points through which no ray goes from those of the coarse grid.
@@ -134,19 +131,32 @@ fn follow(
     stats: &mut RenderStats,
 ) -> Result<(), RenderError> {
     let all = Cells::all(canvas.points(spacing));
-    let mut added = cells.clone();
+    let reach = |canvas: &Canvas<'_>, added: &Cells| added.within(&canvas.bent(added, spacing, threshold)).grown(&all);
+    let corners_of = |canvas: &mut Canvas<'_>, cells: &Cells| cells.corners(|at| canvas.claim(at, spacing));
+    spread(tracer, canvas, (cells, spacing), reach, corners_of, stats)?;
+    Ok(())
+}
+
+/// Adds the cells that `reach` finds from the last ones that were added, and traces the points in them that `wanted` lists, so many pixels apart, until it finds
+/// no more. Returns true if it found any.
+fn spread(
+    tracer: &dyn Tracer,
+    canvas: &mut Canvas<'_>,
+    (cells, spacing): (&mut Cells, usize),
+    reach: impl Fn(&Canvas<'_>, &Cells) -> Cells,
+    wanted: impl Fn(&mut Canvas<'_>, &Cells) -> Vec<[u32; 2]>,
+    stats: &mut RenderStats,
+) -> Result<bool, RenderError> {
+    let (mut added, mut found) = (cells.clone(), false);
     loop {
-        let reached = stats.time("refinement", || {
-            let bent = added.within(&canvas.bent(&added, spacing, threshold));
-            bent.grown(&all).without(cells)
-        });
+        let reached = stats.time("refinement", || reach(canvas, &added).without(cells));
         if reached.is_empty() {
-            return Ok(());
+            return Ok(found);
         }
-        let corners = reached.corners(|at| canvas.claim(at, spacing));
-        stats.time("rays", || canvas.trace(tracer, &corners, spacing))?;
+        let points = wanted(canvas, &reached);
+        stats.time("rays", || canvas.trace(tracer, &points, spacing))?;
         cells.add(&reached);
-        added = reached;
+        (added, found) = (reached, true);
     }
 }
 

@@ -112,3 +112,14 @@ pub fn phantom_scenes(n: usize) -> Vec<(&'static str, Scene)> {
         })
         .to_vec()
 }
+
+/// Numbers from 0 to 1, one after the other, by a seed (Marsaglia's xorshift, 2003).
+pub fn random(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
+    move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
