@@ -48,6 +48,8 @@ pub(super) struct PendingWall {
     pub(super) before: f64,
     /// Largest difference of two of its values.
     pub(super) spread: f64,
+    /// Largest difference that reflection makes between two of its places.
+    pub(super) turn: f64,
 }
 
 impl Account {
@@ -163,6 +165,7 @@ impl Account {
         a.variation = a.variation.max(b.variation);
         last.before += pending.before;
         last.spread += pending.spread;
+        last.turn += pending.turn;
     }
 
     /// Settles a place in doubt as no wall, or one that a ray only touches: it costs what it can cost.
@@ -175,7 +178,7 @@ impl Account {
     /// Takes a wall that begins at `s`: its light, the error of that, and how fast it changes with the value. The place in doubt before it, if
     /// any, is part of it.
     pub(super) fn wall(&mut self, light: [f64; 3], error: f64, steepness: f64, s: f64) {
-        let doubt = self.pending.take().map_or(0.0, |d| d.before + steepness * d.spread);
+        let doubt = self.pending.take().map_or(0.0, |d| d.before + steepness * d.spread + d.turn);
         let step = Step { opacity: 1.0, light, light_error: error + doubt, ..Step::default() };
         self.add(&step, s);
         self.ended = true;

@@ -12,7 +12,7 @@ impl<R: Real> Cubic<R> {
     /// `corners` are its values at the box's corners, x fastest, seen from the point where the way begins. The blossom of the cubic
     /// is the mean of the trilinear function over the orders of its three arguments (Ramshaw 1989, *Blossoms are polar forms*); so
     /// the coefficients are means of corners, and no rounding is magnified.
-    pub(super) fn of_trilinear(corners: &[R; 8]) -> Self {
+    fn of_trilinear(corners: &[R; 8]) -> Self {
         let third = R::from_f64(1.0 / 3.0);
         Self([
             corners[0],
@@ -20,6 +20,21 @@ impl<R: Real> Cubic<R> {
             (corners[6] + corners[5] + corners[3]) * third,
             corners[7],
         ])
+    }
+
+    /// Returns a trilinear function, by its values at a cell's corners (x fastest), on a straight way through the cell: from the first to the second fraction of
+    /// the cell along each axis.
+    pub(super) fn across_box(mut corners: [R; 8], part: &[[R; 2]; 3]) -> Self {
+        // The same function, seen from the box between the two ends.
+        for (axis, t) in part.iter().enumerate() {
+            for i in (0..8).filter(|i| i >> axis & 1 == 0) {
+                let j = i | 1 << axis;
+                let (a, b) = (corners[i], corners[j]);
+                corners[i] = a + t[0] * (b - a);
+                corners[j] = a + t[1] * (b - a);
+            }
+        }
+        Self::of_trilinear(&corners)
     }
 
     /// Returns bounds of the values.
@@ -57,6 +72,14 @@ impl<R: Real> Cubic<R> {
         R::from_f64(3.0) * mix(mix(p, q), mix(q, r))
     }
 
+    /// Returns the coefficients of the powers of t, the constant first.
+    pub(super) fn powers(&self) -> [R; 4] {
+        let [a, b, c, d] = self.0;
+        let three = R::from_f64(3.0);
+        let (ab, bc) = (b - a, c - b);
+        [a, three * ab, three * (bc - ab), (d - a) - three * bc]
+    }
+
     /// Returns the coefficients of the powers of x = 2t − 1 ∈ [−1, 1], the constant first.
     pub(super) fn about_middle(&self) -> [R; 4] {
         let [a, b, c, d] = self.0;
@@ -85,6 +108,7 @@ mod tests {
         let cubic = Cubic::of_trilinear(&corner);
         let (left, right) = cubic.split(0.3);
         let powers = cubic.about_middle();
+        let plain = cubic.powers();
         let (low, high) = cubic.hull();
         for i in 0..=20 {
             let t = f64::from(i) / 20.0;
@@ -93,6 +117,8 @@ mod tests {
             assert!(low <= want && want <= high);
             let x = 2.0 * t - 1.0;
             let sum = powers[0] + x * (powers[1] + x * (powers[2] + x * powers[3]));
+            assert!((sum - want).abs() < 1e-14);
+            let sum = plain[0] + t * (plain[1] + t * (plain[2] + t * plain[3]));
             assert!((sum - want).abs() < 1e-14);
             let part = if t <= 0.3 { left.at(t / 0.3) } else { right.at((t - 0.3) / 0.7) };
             assert!((part - want).abs() < 1e-14);

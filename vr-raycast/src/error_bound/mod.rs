@@ -2,10 +2,13 @@
 
 mod account;
 mod blocks;
+mod crossed;
 mod cubic;
 pub(crate) mod optics;
 mod packets;
 mod piece_by_piece;
+mod reflection;
+mod series;
 mod step;
 mod walk;
 
@@ -27,6 +30,7 @@ use blocks::Blocks;
 use optics::Optics;
 use packets::{BoundedPackets, PacketView};
 use piece_by_piece::Integral;
+use reflection::{RayReflection, Reflection};
 use walk::Medium;
 
 /// Tables of a scene whose pictures keep a bound of the error.
@@ -34,6 +38,8 @@ use walk::Medium;
 pub(crate) struct ErrorBound {
     pub(crate) volume: Arc<GridVolume>,
     optics: Optics,
+    /// `None` where colours stay as they are.
+    reflection: Option<Reflection>,
     blocks: Blocks,
     /// Packets; `None` where rays go one by one.
     packets: Option<BoundedPackets>,
@@ -46,7 +52,7 @@ impl ErrorBound {
     ///
     /// # Errors
     /// [`RenderError::Unsupported`] for what there is no bound for: other operators than over and accumulate, other filters than trilinear
-    /// and nearest, shading, and emission given on its own under accumulate.
+    /// and nearest, opacity by gradient, and emission given on its own under accumulate.
     pub(crate) fn check(scene: &Scene, volume: &GridVolume) -> Result<f64, RenderError> {
         let without =
             |what: String| Err(unsupported(Feature::MaxError, format!("a promised error (max-error) {what}")));
@@ -59,8 +65,8 @@ impl ErrorBound {
         if !matches!(filter, Filter::Trilinear | Filter::Nearest) {
             return without(format!("with the filter '{filter}'"));
         }
-        if scene.shading.is_some() {
-            return without("with shading".to_owned());
+        if scene.shading.as_ref().is_some_and(|shading| !shading.gradient_opacity.is_empty()) {
+            return without("with opacity by gradient".to_owned());
         }
         if scene.transfer.has_rows() {
             return without("with a transfer function by gradient".to_owned());
@@ -86,9 +92,11 @@ impl ErrorBound {
         let largest = f64::from(low.abs().max(high.abs()));
         let optics = Optics::new(&scene.transfer, volume.calibration(), largest);
         let blocks = Blocks::new(volume, &optics);
-        // A ray that is cut needs more than the account of its sum.
-        let packets = vectors.filter(|_| level >= 1.0).and_then(|v| BoundedPackets::new(v, volume, &optics, &blocks));
-        Ok(Self { volume: Arc::clone(volume), optics, blocks, packets, error, level })
+        let reflection = Reflection::new(scene, volume, optics.brightest);
+        // A ray that is cut needs more than the account of its sum, and reflected light more than that of a function of the value.
+        let in_packets = level >= 1.0 && reflection.is_none();
+        let packets = vectors.filter(|_| in_packets).and_then(|v| BoundedPackets::new(v, volume, &optics, &blocks));
+        Ok(Self { volume: Arc::clone(volume), optics, reflection, blocks, packets, error, level })
     }
 
     /// Error that a ray may have: less what storing a pixel as f32 takes.
@@ -108,7 +116,7 @@ impl ErrorBound {
         Limits {
             error: self.ray_error(),
             level: self.level,
-            brightest: self.optics.brightest,
+            brightest: self.reflection.as_ref().map_or(self.optics.brightest, |reflection| reflection.brightest),
             emits: self.optics.emits,
         }
     }
@@ -190,7 +198,8 @@ impl BoundedRays<'_> {
         let backdrop = layer.map_or(0.0, |l| f64::from(backdrop(l, spot.pixel)));
         let value = part.map_or(RaySample::NOTHING, |part| {
             counts.rays += 1;
-            let account = self.both_stages(part, backdrop, single, counts);
+            let reflection = self.error_bound.reflection.as_ref().map(|r| r.along(ray.direction));
+            let account = self.both_stages(BoundedRay { part, reflection, backdrop }, single, counts);
             counts.terminated += u64::from(account.ended);
             let [r, g, b] = account.light;
             RaySample {
@@ -201,10 +210,10 @@ impl BoundedRays<'_> {
         layer.map_or(value, |l| value.over(l, spot.pixel))
     }
 
-    fn both_stages(&self, ray: IndexRay, backdrop: f64, single: &mut Tries, counts: &mut Counts) -> Account {
+    fn both_stages(&self, ray: BoundedRay<'_>, single: &mut Tries, counts: &mut Counts) -> Account {
         if self.single && single.is_worth_while() {
             single.tried += 1;
-            let (account, kept) = self.volume.with_lattice(self.job::<f32>(ray, backdrop));
+            let (account, kept) = self.volume.with_lattice(self.job::<f32>(ray.clone()));
             counts.samples += account.steps;
             if kept {
                 return account;
@@ -212,7 +221,7 @@ impl BoundedRays<'_> {
             single.failed += 1;
         }
         counts.repeated += u64::from(self.single);
-        let (account, kept) = self.volume.with_lattice(self.job::<f64>(ray, backdrop));
+        let (account, kept) = self.volume.with_lattice(self.job::<f64>(ray));
         if !kept {
             counts.count_unbounded(self.error_bound.error * account.overrun());
         }
@@ -220,16 +229,25 @@ impl BoundedRays<'_> {
         account
     }
 
-    fn job<R: Real>(&self, ray: IndexRay, backdrop: f64) -> Job<'_, R> {
+    fn job<'a, R: Real>(&'a self, ray: BoundedRay<'a>) -> Job<'a, R> {
         Job {
             error_bound: self.error_bound,
             vacuum: self.volume.vacuum_cells(),
             nearest: self.volume.filter() == Filter::Nearest,
             ray,
-            backdrop,
             precision: std::marker::PhantomData,
         }
     }
+}
+
+/// Ray in the volume.
+#[derive(Clone)]
+struct BoundedRay<'a> {
+    part: IndexRay,
+    /// `None` where colours stay as they are.
+    reflection: Option<RayReflection<'a>>,
+    /// Largest component of what stands behind the volume.
+    backdrop: f64,
 }
 
 /// Integration of one ray in one precision.
@@ -238,8 +256,7 @@ struct Job<'a, R> {
     vacuum: Option<&'a VacuumCells>,
     /// True under the filter nearest, false under trilinear.
     nearest: bool,
-    ray: IndexRay,
-    backdrop: f64,
+    ray: BoundedRay<'a>,
     precision: std::marker::PhantomData<R>,
 }
 
@@ -247,12 +264,13 @@ impl<R: Real> LatticeVisitor for Job<'_, R> {
     type Output = (Account, bool);
 
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output {
-        let account = Account::new(self.error_bound.limits(), self.ray.start, self.ray.end, self.backdrop);
+        let BoundedRay { part, reflection, backdrop } = self.ray;
+        let account = Account::new(self.error_bound.limits(), part.start, part.end, backdrop);
         // Only f32 has something better to turn to.
         let gives_up = R::ROUNDOFF > f64::EPSILON;
-        let mut integral = Integral::new(&self.error_bound.optics, account, gives_up);
+        let mut integral = Integral::new(&self.error_bound.optics, reflection, account, gives_up);
         let medium = Medium { lattice, vacuum: self.vacuum, nearest: self.nearest, blocks: &self.error_bound.blocks };
-        walk::along::<R, T>(&medium, &self.ray, &mut integral);
+        walk::along::<R, T>(&medium, &part, &mut integral);
         integral.account.finish();
         let kept = integral.is_kept();
         (integral.account, kept)

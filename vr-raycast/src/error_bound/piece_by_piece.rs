@@ -5,7 +5,9 @@ use vr_core::Real;
 use super::account::{Account, PendingWall};
 use super::cubic::Cubic;
 use super::optics::{Extremes, Optics, Piece};
-use super::step::{Step, coarse, constant, smooth};
+use super::reflection::{Normals, RayReflection, Reflected};
+use super::series::Series;
+use super::step::{Step, coarse, constant, constant_reflected, smooth, smooth_reflected};
 use crate::root::monotone_root;
 
 /// Largest number of halvings of a cell, after which a step is taken as it is.
@@ -18,6 +20,8 @@ const MAX_STEPS_FIRST: u64 = 1 << 13;
 /// Ray that is being integrated.
 pub(super) struct Integral<'a> {
     pub(super) optics: &'a Optics,
+    /// `None` where colours stay as they are.
+    pub(super) reflection: Option<RayReflection<'a>>,
     pub(super) account: Account,
     /// True if it stops once the proven bound is above the one asked for: another instance will do the ray again.
     pub(super) gives_up: bool,
@@ -40,6 +44,7 @@ pub(super) struct Place {
 struct Cell<R> {
     place: Place,
     whole: Cubic<R>,
+    normals: Normals,
     length: f64,
 }
 
@@ -47,6 +52,8 @@ struct Cell<R> {
 #[derive(Clone, Copy)]
 struct Part<R> {
     cubic: Cubic<R>,
+    /// Ends, as fractions of the cell.
+    ends: [f64; 2],
     /// Distance at which it begins.
     s: f64,
     length: f64,
@@ -54,8 +61,13 @@ struct Part<R> {
 }
 
 impl<'a> Integral<'a> {
-    pub(super) fn new(optics: &'a Optics, account: Account, gives_up: bool) -> Self {
-        Self { optics, account, gives_up }
+    pub(super) fn new(
+        optics: &'a Optics,
+        reflection: Option<RayReflection<'a>>,
+        account: Account,
+        gives_up: bool,
+    ) -> Self {
+        Self { optics, reflection, account, gives_up }
     }
 
     /// True if nothing more is to be done.
@@ -69,15 +81,67 @@ impl<'a> Integral<'a> {
         !(too_long || self.account.is_over())
     }
 
-    /// Integrates a stretch of one stored number.
-    pub(super) fn constant(&mut self, stored: f64, s: f64, length: f64) {
+    /// Integrates a stretch of one stored number. `normals` gives those along it, where light is reflected.
+    pub(super) fn constant(
+        &mut self,
+        stored: f64,
+        normals: impl FnOnce(&RayReflection<'_>) -> Normals,
+        s: f64,
+        length: f64,
+    ) {
         let (rate, source) = self.optics.exactly(stored);
+        if rate == 0.0 && !(self.optics.emits && source != [0.0; 3]) {
+            return;
+        }
+        let normals = self.reflection.as_ref().map_or(Normals::Absent, normals);
         if rate == f64::INFINITY {
             let light = if self.optics.emits { [0.0; 3] } else { source };
-            self.account.wall(light, 0.0, 0.0, s);
-        } else if rate > 0.0 || (self.optics.emits && source != [0.0; 3]) {
+            self.wall(light, 0.0, 0.0, (&normals, 0.0), s);
+        } else if matches!(normals, Normals::Absent) {
             self.account.take(&constant(self.optics, rate, source, length), s);
+        } else {
+            self.uniform_part((rate, source), &normals, ([0.0, 1.0], s, length), 0);
         }
+    }
+
+    /// Integrates a part, from one fraction of a cell to another, of one extinction and colour, the light of which is reflected.
+    fn uniform_part(
+        &mut self,
+        medium: (f64, [f64; 3]),
+        normals: &Normals,
+        (ends, s, length): ([f64; 2], f64, f64),
+        cuts: u32,
+    ) {
+        if self.is_done() || length <= 0.0 {
+            return;
+        }
+        let Some(reflected) = self.reflected(normals, ends) else { return };
+        let step = constant_reflected(self.optics, medium, length, &reflected);
+        let account = &self.account;
+        if account.fits(&step, s) || self.is_enough(cuts) {
+            self.account.take(&step, s);
+            return;
+        }
+        let (half, middle) = (0.5 * length, 0.5 * (ends[0] + ends[1]));
+        self.uniform_part(medium, normals, ([ends[0], middle], s, half), cuts + 1);
+        self.uniform_part(medium, normals, ([middle, ends[1]], s + half, half), cuts + 1);
+    }
+
+    /// Returns the change of colours on a part of a cell; `None` where they stay.
+    fn reflected(&self, normals: &Normals, ends: [f64; 2]) -> Option<Reflected> {
+        self.reflection.as_ref().map(|reflection| reflection.on(normals, ends))
+    }
+
+    /// Ends the ray at a wall, at a fraction of a cell: its colour, the error of that, and how fast it changes with the value.
+    fn wall(&mut self, source: [f64; 3], error: f64, steepness: f64, (normals, at): (&Normals, f64), s: f64) {
+        let Some(reflected) = self.reflected(normals, [at; 2]) else {
+            return self.account.wall(source, error, steepness, s);
+        };
+        let colors =
+            std::array::from_fn::<_, 3, _>(|c| reflected.of(&Series { rest: error, ..Series::constant(source[c]) }, c));
+        let largest = reflected.factor.iter().map(Series::size).fold(0.0, f64::max);
+        let off = colors.iter().map(Series::spread).fold(0.0, f64::max);
+        self.account.wall(colors.map(|color| color.c[0].max(0.0)), off, steepness * largest, s);
     }
 
     /// Takes a step over all values of a range if that is good enough; returns true if so.
@@ -85,6 +149,7 @@ impl<'a> Integral<'a> {
         if extremes.wall {
             return false;
         }
+        let extremes = &self.lit(extremes, &Normals::Unknown, [0.0, 1.0]);
         let step = coarse(self.optics, extremes, length, f64::INFINITY);
         let fits = self.account.fits(&step, s);
         if fits {
@@ -93,10 +158,30 @@ impl<'a> Integral<'a> {
         fits
     }
 
+    /// Returns extremes of a medium with its light reflected, on a part of a cell.
+    fn lit(&self, extremes: &Extremes, normals: &Normals, ends: [f64; 2]) -> Extremes {
+        let mut lit = *extremes;
+        if let Some(reflected) = self.reflected(normals, ends) {
+            for (c, [low, high]) in lit.source.iter_mut().enumerate() {
+                let [[f0, f1], [a0, a1]] = [&reflected.factor[c], &reflected.added[c]].map(Series::range);
+                (*low, *high) = (*low * f0.max(0.0) + a0.max(0.0), *high * f1 + a1);
+            }
+        }
+        lit
+    }
+
     /// Integrates a cell, along which the field is the place's base + `cubic`.
-    pub(super) fn cell<R: Real>(&mut self, cubic: Cubic<R>, place: Place, s: f64, length: f64) {
-        let cell = Cell { place, whole: cubic, length };
-        self.part(&cell, Part { cubic, s, length, cuts: 0 });
+    pub(super) fn cell<R: Real>(
+        &mut self,
+        cubic: Cubic<R>,
+        place: Place,
+        normals: impl FnOnce(&RayReflection<'_>) -> Normals,
+        s: f64,
+        length: f64,
+    ) {
+        let normals = self.reflection.as_ref().map_or(Normals::Absent, normals);
+        let cell = Cell { place, whole: cubic, normals, length };
+        self.part(&cell, Part { cubic, ends: [0.0, 1.0], s, length, cuts: 0 });
     }
 
     fn part<R: Real>(&mut self, cell: &Cell<R>, part: Part<R>) {
@@ -119,22 +204,22 @@ impl<'a> Integral<'a> {
             let entry = cell.place.base + part.cubic.0[0].to_f64();
             let light = if optics.emits { [0.0; 3] } else { piece.source_at(entry) };
             let steepness = if optics.emits { 0.0 } else { piece.source_steepness() };
-            self.account.wall(light, steepness * 5.0 * noise, steepness, part.s);
+            self.wall(light, steepness * 5.0 * noise, steepness, (&cell.normals, part.ends[0]), part.s);
             return;
         }
         // Take the part as one step if its error is small enough, or shorter steps would not help.
         if single && let Some(step) = self.smooth(piece, cell, &part, noise) {
             let account = &self.account;
-            if account.fits(&step, part.s) || account.is_rounding(&step, part.s) || self.is_enough(&part) {
+            if account.fits(&step, part.s) || account.is_rounding(&step, part.s) || self.is_enough(part.cuts) {
                 self.account.take(&step, part.s);
                 return;
             }
         } else {
-            let extremes = optics.extremes(min, max);
+            let extremes = self.lit(&optics.extremes(min, max), &cell.normals, part.ends);
             let step = self.coarse_part(&extremes, cell, &part, noise);
             // Shorter parts would hold the same values, for all that is known.
             let blurred = high - low <= 4.0 * noise;
-            if (!extremes.wall && self.account.fits(&step, part.s)) || blurred || self.is_enough(&part) {
+            if (!extremes.wall && self.account.fits(&step, part.s)) || blurred || self.is_enough(part.cuts) {
                 self.take_anyway(&extremes, step, cell, &part, noise);
                 return;
             }
@@ -145,8 +230,9 @@ impl<'a> Integral<'a> {
         // Else halve it.
         let (front, back) = part.cubic.split(R::from_f64(0.5));
         let (half, cuts) = (0.5 * part.length, part.cuts + 1);
-        self.part(cell, Part { cubic: front, length: half, cuts, ..part });
-        self.part(cell, Part { cubic: back, s: part.s + half, length: half, cuts });
+        let middle = 0.5 * (part.ends[0] + part.ends[1]);
+        self.part(cell, Part { cubic: front, ends: [part.ends[0], middle], length: half, cuts, ..part });
+        self.part(cell, Part { cubic: back, ends: [middle, part.ends[1]], s: part.s + half, length: half, cuts });
     }
 
     /// Returns the range of the values that a part may hold if its computed range, off by up to `noise`, is `low` to `high`.
@@ -165,6 +251,10 @@ impl<'a> Integral<'a> {
     }
 
     fn smooth<R: Real>(&self, piece: &Piece, cell: &Cell<R>, part: &Part<R>, noise: f64) -> Option<Step> {
+        if let Some(reflected) = self.reflected(&cell.normals, part.ends) {
+            let values = (cell.place.base, noise);
+            return smooth_reflected(self.optics, piece, &part.cubic, values, part.length, &reflected);
+        }
         let enough = self.account.enough(part.s + part.length);
         smooth(self.optics, piece, &part.cubic, cell.place.base, noise, part.length, enough)
     }
@@ -189,8 +279,8 @@ impl<'a> Integral<'a> {
     }
 
     /// True if a part must not be cut any more, whatever its error.
-    fn is_enough<R: Real>(&self, part: &Part<R>) -> bool {
-        part.cuts >= MAX_HALVINGS || self.account.steps >= MAX_STEPS
+    fn is_enough(&self, cuts: u32) -> bool {
+        cuts >= MAX_HALVINGS || self.account.steps >= MAX_STEPS
     }
 
     fn take_anyway<R: Real>(&mut self, extremes: &Extremes, step: Step, cell: &Cell<R>, part: &Part<R>, noise: f64) {
@@ -205,7 +295,13 @@ impl<'a> Integral<'a> {
             -libm::expm1(-self.deepest(extremes, cell, part, noise)) * extremes.source_width()
         };
         let spread = high - low + 2.0 * noise;
-        self.account.doubt(PendingWall { step, before, spread });
+        // The wall's place decides what it reflects, too.
+        let turn = self.reflected(&cell.normals, part.ends).map_or(0.0, |reflected| {
+            let width =
+                |c: usize| 2.0 * (reflected.factor[c].spread() * self.optics.brightest + reflected.added[c].spread());
+            width(0).max(width(1)).max(width(2))
+        });
+        self.account.doubt(PendingWall { step, before, spread, turn });
     }
 
     /// Cuts a monotone part where it crosses a knot; returns false where that place is too uncertain.
@@ -241,10 +337,14 @@ impl<'a> Integral<'a> {
             if before && behind {
                 let (d0, d1) = (t0.to_f64() * part.length, t1.to_f64() * part.length);
                 let cuts = part.cuts + 1;
-                self.part(cell, Part { cubic: front, length: d0, cuts, ..*part });
+                let [start, end] = part.ends;
+                let [e0, e1] = [t0, t1].map(|t| start + t.to_f64() * (end - start));
+                self.part(cell, Part { cubic: front, ends: [start, e0], length: d0, cuts, ..*part });
                 let middle = if t1 == R::ZERO { rest } else { rest.split(t0 / t1).1 };
-                self.across(cell, Part { cubic: middle, s: part.s + d0, length: d1 - d0, cuts: cuts + 1 });
-                self.part(cell, Part { cubic: back, s: part.s + d1, length: part.length - d1, cuts });
+                let length = d1 - d0;
+                self.across(cell, Part { cubic: middle, ends: [e0, e1], s: part.s + d0, length, cuts: cuts + 1 });
+                let length = part.length - d1;
+                self.part(cell, Part { cubic: back, ends: [e1, end], s: part.s + d1, length, cuts });
                 return true;
             }
             apart *= 4.0;
@@ -260,7 +360,7 @@ impl<'a> Integral<'a> {
         let noise = self.noise(cell, part.cuts);
         let (low, high) = part.cubic.hull();
         let [min, max] = self.possible(&cell.place, [cell.place.base + low, cell.place.base + high], noise);
-        let extremes = self.optics.extremes(min, max);
+        let extremes = self.lit(&self.optics.extremes(min, max), &cell.normals, part.ends);
         let step = self.coarse_part(&extremes, cell, &part, noise);
         self.take_anyway(&extremes, step, cell, &part, noise);
     }

@@ -10,6 +10,8 @@ use vr_core::{OpacityRule, Real};
 
 use super::cubic::Cubic;
 use super::optics::{Extremes, Optics, Piece};
+use super::reflection::Reflected;
+use super::series::Series;
 
 /// Step of a ray, with bounds of its errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -80,6 +82,164 @@ pub(super) fn constant(optics: &Optics, rate: f64, source: [f64; 3], length: f64
     }
 }
 
+/// Optical depth of a step along a cubic that lies in one piece of the transfer function, by power series about its middle: κ · unit is
+/// k₀ + k₁t + k₂t² + k₃t³ + …, with t ∈ [−1, 1] over the step.
+struct Depth<R> {
+    k: [R; 4],
+    /// Bound of the terms that follow.
+    tail: f64,
+    /// Bound of what κ · unit is off by for being computed from a field that is.
+    rate_error: f64,
+    /// Optical depth per value of κ · unit.
+    per_rate: f64,
+    /// The step, as yet without light.
+    step: Step,
+}
+
+impl<R: Real> Depth<R> {
+    /// `c`: the cubic by powers of t. `None` where the series does not converge well enough to say anything.
+    #[inline]
+    fn along(optics: &Optics, piece: &Piece, c: &[R; 4], base: f64, noise: f64, length: f64) -> Option<Self> {
+        let real = R::from_f64;
+        let u = 2.0 * R::ROUNDOFF;
+        let middle = base + c[0].to_f64();
+        let (alpha, clearness) = (piece.opacity_at(middle), piece.clearness_at(middle));
+        let power = optics.rule == OpacityRule::Power;
+
+        // The extinction's series: κ·unit = k₀ − ln(1 − x) or k₀ + x, x = x₁t + x₂t² + x₃t³, |x| ≤ ρ|t|.
+        let scale = if power { real(piece.opacity_slope / clearness) } else { real(piece.opacity_slope) };
+        let (x1, x2, x3) = (c[1] * scale, c[2] * scale, c[3] * scale);
+        let (s1, s2, s3) = (x1.abs().to_f64(), x2.abs().to_f64(), x3.abs().to_f64());
+        let rho = s1 + s2 + s3;
+        let off = 5.0 * piece.steepest_opacity * noise;
+        let (k0, k1, k2, k3, mean, mean_error, tail, rate_error);
+        if power {
+            if !(rho <= 0.9 && 2.0 * off <= clearness * (1.0 - rho)) {
+                return None;
+            }
+            k0 = if alpha < 0.5 { -real(-alpha).ln_1p() } else { real(-libm::log(clearness)) };
+            k1 = x1;
+            k2 = x2 + real(0.5) * x1 * x1;
+            k3 = x3 + x1 * x2 + x1 * x1 * x1 * real(1.0 / 3.0);
+            let square =
+                x1 * x1 * real(1.0 / 3.0) + (x2 * x2 + real(2.0) * x1 * x3) * real(0.2) + x3 * x3 * real(1.0 / 7.0);
+            let cube = real(0.6) * x1 * x1 * x2
+                + (x2 * x2 * x2 + real(6.0) * x1 * x2 * x3) * real(1.0 / 7.0)
+                + x2 * x3 * x3 * real(1.0 / 3.0);
+            let fourth = x1 * x1 * x1 * x1 * real(0.05);
+            mean = k0 + x2 * real(1.0 / 3.0) + real(0.5) * square + real(1.0 / 3.0) * cube + fourth;
+            let rest = s2 + s3;
+            let (r2, r4) = (rho * rho, rho * rho * rho * rho);
+            mean_error = rest * (rho + s1) * (r2 + s1 * s1) / 24.0 + rest * r4 / 7.0 + r4 * r2 / (42.0 * (1.0 - rho));
+            tail = 0.5 * (s2 * s2 + s3 * s3)
+                + s3 * (s1 + s2)
+                + rest * (r2 + rho * s1 + s1 * s1) / 3.0
+                + r4 / (4.0 * (1.0 - rho));
+            rate_error = off / (clearness * (1.0 - rho) - off);
+        } else {
+            k0 = real(alpha);
+            (k1, k2, k3) = (x1, x2, x3);
+            mean = k0 + x2 * real(1.0 / 3.0);
+            (mean_error, tail, rate_error) = (0.0, 0.0, off);
+        }
+        let per_rate = length / optics.unit;
+        let rate = k0.abs().to_f64();
+        let tau = (real(per_rate) * mean).max(R::ZERO);
+        let tau_rounding = per_rate * (rate_error + 8.0 * u * (rate + 4.0 * rho)) + 2.0 * u * tau.to_f64();
+        let tau_error = per_rate * mean_error + tau_rounding;
+        if tau_error >= 1.0 || tau_error.is_nan() {
+            return None;
+        }
+        let a = tau_opacity(tau);
+        let transmittance = 1.0 - a.to_f64();
+        let step = Step {
+            length,
+            opacity: a.to_f64(),
+            // e^x − 1 ≤ x + x² for x ≤ 1.
+            opacity_error: transmittance * (tau_error + tau_error * tau_error) + 2.0 * u * a.to_f64(),
+            rounding: [transmittance * tau_rounding, 0.0],
+            ..Step::default()
+        };
+        Some(Self { k: [k0, k1, k2, k3], tail, rate_error, per_rate, step })
+    }
+
+    /// Returns a bound of |k₀| + |k₁| + |k₂| + |k₃|.
+    fn size(&self) -> f64 {
+        let [k0, k1, k2, k3] = self.k.map(|k| k.abs().to_f64());
+        k0 + k1 + k2 + k3
+    }
+
+    /// Returns the depth of a step through one stored number.
+    fn uniform(optics: &Optics, rate: f64, length: f64) -> Self {
+        let per_rate = length / optics.unit;
+        let a = opacity(rate * per_rate);
+        let step = Step { length, opacity: a, opacity_error: ROUNDING * a, ..Step::default() };
+        let k = [R::from_f64(rate), R::ZERO, R::ZERO, R::ZERO];
+        Self { k, tail: 0.0, rate_error: 2.0 * R::ROUNDOFF * rate, per_rate, step }
+    }
+}
+
+/// Transparency inside a step: P/P₀ = e^(−y) = 1 + p₁t + p₂t² + p₃t³ + …, with P = 1 at the front.
+struct Transparency<R> {
+    p: [R; 3],
+    /// 1/P₀ at the front.
+    first: R,
+    /// Bound of what the series misses, and of what P₀ is off by relative to itself.
+    missed: f64,
+    scaled: f64,
+    growth: f64,
+}
+
+impl<R: Real> Transparency<R> {
+    /// `None` where the series does not converge well enough.
+    #[inline]
+    fn inside(depth: &Depth<R>) -> Option<Self> {
+        let real = R::from_f64;
+        let u = 2.0 * R::ROUNDOFF;
+        let [k0, k1, k2, k3] = depth.k;
+        // y = y₁t + y₂t² + y₃t³ + ….
+        let y1 = real(0.5 * depth.per_rate) * k0;
+        let y2 = real(0.25 * depth.per_rate) * k1;
+        let y3 = real(depth.per_rate / 6.0) * k2;
+        let (m1, m2) = (y1.abs().to_f64(), y2.abs().to_f64());
+        let behind = depth.per_rate * (0.125 * (k3.abs().to_f64() + depth.tail) + depth.rate_error);
+        let z = y3.abs().to_f64() + behind;
+        let all = m1 + m2 + z;
+        let (p1, p2) = (-y1, real(0.5) * y1 * y1 - y2);
+        let p3 = y1 * y2 - y3 - y1 * y1 * y1 * real(1.0 / 6.0);
+        let start = R::ONE - p1 + p2 - p3;
+        let growth = 1.0 + all + all * all;
+        let missed = behind
+            + 0.5 * (m2 * m2 + z * z)
+            + z * (m1 + m2)
+            + (all - m1) * (all * all + all * m1 + m1 * m1) / 6.0
+            + all * all * all * all / 24.0 * growth
+            + 8.0 * u * growth;
+        let min_opacity = start.to_f64() - missed;
+        if !(all <= 1.2 && min_opacity >= 0.5) {
+            return None;
+        }
+        let scaled = missed / (start.to_f64() * min_opacity) * growth;
+        Some(Self { p: [p1, p2, p3], first: R::ONE / start, missed, scaled, growth })
+    }
+
+    /// Returns the coefficients of κ·unit·P/P₀ = g₀ + g₁t + g₂t² + g₃t³ + …, and a bound of what they leave out.
+    #[inline]
+    fn absorbed(&self, depth: &Depth<R>) -> ([R; 4], f64) {
+        let [k0, k1, k2, k3] = depth.k;
+        let [p1, p2, p3] = self.p;
+        let g = [k0, k1 + k0 * p1, k2 + k1 * p1 + k0 * p2, k3 + k2 * p1 + k1 * p2 + k0 * p3];
+        let [m_k1, m_k2, m_k3] = [k1, k2, k3].map(|k| k.abs().to_f64());
+        let [m_p1, m_p2, m_p3] = [p1, p2, p3].map(|p| p.abs().to_f64());
+        let left_out = (depth.tail + depth.rate_error) * self.growth
+            + depth.size() * (self.missed + self.scaled)
+            + m_k1 * m_p3
+            + m_k2 * (m_p2 + m_p3)
+            + m_k3 * (m_p1 + m_p2 + m_p3);
+        (g, left_out)
+    }
+}
+
 /// Returns the step along a cubic that lies in one piece of the transfer function, by power series about its middle; `None` where they do not
 /// converge well enough to say anything.
 ///
@@ -97,73 +257,15 @@ pub(super) fn smooth<R: Real>(
     let real = R::from_f64;
     let u = 2.0 * R::ROUNDOFF;
     let c = cubic.about_middle();
-    let middle = base + c[0].to_f64();
-    let (alpha, clearness) = (piece.opacity_at(middle), piece.clearness_at(middle));
-    let power = optics.rule == OpacityRule::Power;
-
-    // The extinction's series: κ·unit = k₀ − ln(1 − x) or k₀ + x, x = x₁t + x₂t² + x₃t³, |x| ≤ ρ|t|.
-    let scale = if power { real(piece.opacity_slope / clearness) } else { real(piece.opacity_slope) };
-    let (x1, x2, x3) = (c[1] * scale, c[2] * scale, c[3] * scale);
-    let (s1, s2, s3) = (x1.abs().to_f64(), x2.abs().to_f64(), x3.abs().to_f64());
-    let rho = s1 + s2 + s3;
-    let off = 5.0 * piece.steepest_opacity * noise;
-    let (k0, k1, k2, k3, mean, mean_error, tail, rate_error);
-    if power {
-        if !(rho <= 0.9 && 2.0 * off <= clearness * (1.0 - rho)) {
-            return None;
-        }
-        k0 = if alpha < 0.5 { -real(-alpha).ln_1p() } else { real(-libm::log(clearness)) };
-        k1 = x1;
-        k2 = x2 + real(0.5) * x1 * x1;
-        k3 = x3 + x1 * x2 + x1 * x1 * x1 * real(1.0 / 3.0);
-        let square =
-            x1 * x1 * real(1.0 / 3.0) + (x2 * x2 + real(2.0) * x1 * x3) * real(0.2) + x3 * x3 * real(1.0 / 7.0);
-        let cube = real(0.6) * x1 * x1 * x2
-            + (x2 * x2 * x2 + real(6.0) * x1 * x2 * x3) * real(1.0 / 7.0)
-            + x2 * x3 * x3 * real(1.0 / 3.0);
-        let fourth = x1 * x1 * x1 * x1 * real(0.05);
-        mean = k0 + x2 * real(1.0 / 3.0) + real(0.5) * square + real(1.0 / 3.0) * cube + fourth;
-        let rest = s2 + s3;
-        let (r2, r4) = (rho * rho, rho * rho * rho * rho);
-        mean_error = rest * (rho + s1) * (r2 + s1 * s1) / 24.0 + rest * r4 / 7.0 + r4 * r2 / (42.0 * (1.0 - rho));
-        tail = 0.5 * (s2 * s2 + s3 * s3)
-            + s3 * (s1 + s2)
-            + rest * (r2 + rho * s1 + s1 * s1) / 3.0
-            + r4 / (4.0 * (1.0 - rho));
-        rate_error = off / (clearness * (1.0 - rho) - off);
-    } else {
-        k0 = real(alpha);
-        (k1, k2, k3) = (x1, x2, x3);
-        mean = k0 + x2 * real(1.0 / 3.0);
-        (mean_error, tail, rate_error) = (0.0, 0.0, off);
-    }
-    let per_rate = length / optics.unit;
-    let rate = k0.abs().to_f64();
-    let tau = (real(per_rate) * mean).max(R::ZERO);
-    let tau_rounding = per_rate * (rate_error + 8.0 * u * (rate + 4.0 * rho)) + 2.0 * u * tau.to_f64();
-    let tau_error = per_rate * mean_error + tau_rounding;
-    if tau_error >= 1.0 || tau_error.is_nan() {
-        return None;
-    }
-    let a = tau_opacity(tau);
-    let transmittance = 1.0 - a.to_f64();
-    // e^x − 1 ≤ x + x² for x ≤ 1.
-    let opacity_error = transmittance * (tau_error + tau_error * tau_error) + 2.0 * u * a.to_f64();
-
-    let source = piece.source_at(middle);
+    let depth = Depth::along(optics, piece, &c, base, noise, length)?;
+    let source = piece.source_at(base + c[0].to_f64());
     let steep = piece.source_steepness();
     let spread = c[1].abs().to_f64() + c[2].abs().to_f64() + c[3].abs().to_f64();
     let source_off = 5.0 * piece.steepest_source * noise;
     let brightest = source.iter().fold(0.0f64, |m, s| m.max(s.abs()));
-    let mut step = Step {
-        length,
-        opacity: a.to_f64(),
-        light: [0.0; 3],
-        opacity_error,
-        light_error: 0.0,
-        variation: 2.0 * (steep * spread + source_off),
-        rounding: [transmittance * tau_rounding, source_off * if optics.emits { length } else { a.to_f64() }],
-    };
+    let mut step = depth.step;
+    step.variation = 2.0 * (steep * spread + source_off);
+    step.rounding[1] = source_off * if optics.emits { length } else { step.opacity };
     // The source at the middle stands for all of it.
     let plain = |mut step: Step| {
         step.light = source.map(|s| (s * step.opacity).max(0.0));
@@ -173,57 +275,26 @@ pub(super) fn smooth<R: Real>(
     if !optics.emits && (steep == 0.0 || steep * spread * step.opacity <= enough) {
         return Some(plain(step));
     }
-
-    // Transmittance inside the step: P/P₀ = e^(−y) = 1 + p₁t + p₂t² + p₃t³ + …, y = y₁t + y₂t² + y₃t³ + ….
-    let y1 = real(0.5 * per_rate) * k0;
-    let y2 = real(0.25 * per_rate) * k1;
-    let y3 = real(per_rate / 6.0) * k2;
-    let (m1, m2) = (y1.abs().to_f64(), y2.abs().to_f64());
-    let [m_k1, m_k2, m_k3] = [k1, k2, k3].map(|k| k.abs().to_f64());
-    let behind = per_rate * (0.125 * (m_k3 + tail) + rate_error);
-    let z = y3.abs().to_f64() + behind;
-    let all = m1 + m2 + z;
-    let (p1, p2) = (-y1, real(0.5) * y1 * y1 - y2);
-    let p3 = y1 * y2 - y3 - y1 * y1 * y1 * real(1.0 / 6.0);
-    let start = R::ONE - p1 + p2 - p3;
-    let growth = 1.0 + all + all * all;
-    let missed = behind
-        + 0.5 * (m2 * m2 + z * z)
-        + z * (m1 + m2)
-        + (all - m1) * (all * all + all * m1 + m1 * m1) / 6.0
-        + all * all * all * all / 24.0 * growth
-        + 8.0 * u * growth;
-    let min_opacity = start.to_f64() - missed;
-    if !(all <= 1.2 && min_opacity >= 0.5) {
+    let Some(inside) = Transparency::inside(&depth) else {
         return (!optics.emits).then(|| plain(step));
-    }
-    let first = R::ONE / start;
-    // What P₀ is off by, relative to itself.
-    let scaled = missed / (start.to_f64() * min_opacity) * growth;
+    };
     let (c1, c2, c3) = (c[1], c[2], c[3]);
     let (third, fifth, seventh) = (real(1.0 / 3.0), real(0.2), real(1.0 / 7.0));
     if optics.emits {
-        let even = (first * (R::ONE + p2 * third)).to_f64();
+        let [p1, p2, p3] = inside.p;
+        let even = (inside.first * (R::ONE + p2 * third)).to_f64();
         let odd = c1 * (p1 * third + p3 * fifth) + c2 * (third + p2 * fifth) + c3 * (p1 * fifth + p3 * seventh);
-        let odd = (first * odd).to_f64();
+        let odd = (inside.first * odd).to_f64();
         step.light = std::array::from_fn(|i| (length * (source[i] * even + piece.source_slope[i] * odd)).max(0.0));
-        step.light_error = length * ((brightest + steep * spread) * (missed + scaled) + source_off);
+        step.light_error = length * ((brightest + steep * spread) * (inside.missed + inside.scaled) + source_off);
         return Some(step);
     }
-    // κ·unit·P/P₀ = g₀ + g₁t + g₂t² + g₃t³ + …
-    let g = [k0, k1 + k0 * p1, k2 + k1 * p1 + k0 * p2, k3 + k2 * p1 + k1 * p2 + k0 * p3];
+    let (g, left_out) = inside.absorbed(&depth);
     let weight =
         c1 * (g[1] * third + g[3] * fifth) + c2 * (g[0] * third + g[2] * fifth) + c3 * (g[1] * fifth + g[3] * seventh);
-    let weight = per_rate * (first * weight).to_f64();
-    let size = rate + m_k1 + m_k2 + m_k3;
-    let [m_p1, m_p2, m_p3] = [p1, p2, p3].map(|p| p.abs().to_f64());
-    let left_out = (tail + rate_error) * growth
-        + size * (missed + scaled)
-        + m_k1 * m_p3
-        + m_k2 * (m_p2 + m_p3)
-        + m_k3 * (m_p1 + m_p2 + m_p3);
+    let weight = depth.per_rate * (inside.first * weight).to_f64();
     // |c₁t + c₂t² + c₃t³| ≤ spread·|t|, whose mean is ½.
-    let light_error = per_rate * steep * spread * (0.5 * left_out + 8.0 * u * size)
+    let light_error = depth.per_rate * steep * spread * (0.5 * left_out + 8.0 * u * depth.size())
         + (source_off + 4.0 * u * brightest) * step.opacity;
     let crude = plain(step);
     if light_error >= crude.light_error {
@@ -232,6 +303,71 @@ pub(super) fn smooth<R: Real>(
     step.light = std::array::from_fn(|i| (source[i] * step.opacity + piece.source_slope[i] * weight).max(0.0));
     step.light_error = light_error;
     Some(step)
+}
+
+/// Returns the step along a cubic as [`smooth`] does, its light reflected.
+pub(super) fn smooth_reflected<R: Real>(
+    optics: &Optics,
+    piece: &Piece,
+    cubic: &Cubic<R>,
+    (base, noise): (f64, f64),
+    length: f64,
+    reflected: &Reflected,
+) -> Option<Step> {
+    let c = cubic.about_middle();
+    let depth = Depth::along(optics, piece, &c, base, noise, length)?;
+    let source = piece.source_at(base + c[0].to_f64());
+    let off = 5.0 * piece.steepest_source * noise;
+    let colors = std::array::from_fn(|i| {
+        let slope = piece.source_slope[i];
+        let rising = [1, 2, 3].map(|k| slope * c[k].to_f64());
+        let color = Series { c: [source[i], rising[0], rising[1], rising[2]], rest: off };
+        reflected.of(&color, i)
+    });
+    // Shorter steps would not make smaller what the field is off by.
+    let rounding = off * (0..3).map(|i| reflected.factor[i].size()).fold(0.0, f64::max);
+    Some(with_light(&depth, &colors, rounding))
+}
+
+/// Returns the step through one stored number, its light reflected.
+pub(super) fn constant_reflected(
+    optics: &Optics,
+    (rate, source): (f64, [f64; 3]),
+    length: f64,
+    reflected: &Reflected,
+) -> Step {
+    let colors = std::array::from_fn(|i| reflected.of(&Series::constant(source[i]), i));
+    with_light(&Depth::<f64>::uniform(optics, rate, length), &colors, 0.0)
+}
+
+/// Adds the light of a density emitter whose colours are known as series. `rounding`: the part of their rests that shorter steps would not make smaller.
+fn with_light<R: Real>(depth: &Depth<R>, colors: &[Series; 3], rounding: f64) -> Step {
+    let u = 2.0 * R::ROUNDOFF;
+    let mut step = depth.step;
+    step.variation = 2.0 * colors.iter().map(Series::spread).fold(0.0, f64::max);
+    step.rounding[1] = rounding * step.opacity;
+    let known = |color: &Series| color.rest + 4.0 * u * color.size();
+    // The colours in the middle stand for all of them, unless their changes can be weighed.
+    let plain = |mut step: Step| {
+        step.light = colors.map(|color| (color.c[0] * step.opacity).max(0.0));
+        let off = |color: &Series| color.spread() - color.rest + known(color);
+        step.light_error = colors.iter().map(off).fold(0.0, f64::max) * step.opacity;
+        step
+    };
+    let crude = plain(step);
+    let Some(inside) = Transparency::inside(depth) else { return crude };
+    let (g, left_out) = inside.absorbed(depth);
+    let g = g.map(|g| (inside.first * g).to_f64() * depth.per_rate);
+    // Means of κ·P times t, t² and t³ over the step.
+    let weights = [g[1] / 3.0 + g[3] / 5.0, g[0] / 3.0 + g[2] / 5.0, g[1] / 5.0 + g[3] / 7.0];
+    let missed = depth.per_rate * (0.5 * left_out + 8.0 * u * depth.size());
+    step.light = colors.map(|color| {
+        let changes = (1..4).map(|k| color.c[k] * weights[k - 1]).sum::<f64>();
+        (color.c[0] * step.opacity + changes).max(0.0)
+    });
+    let off = |color: &Series| (color.spread() - color.rest) * missed + known(color) * step.opacity;
+    step.light_error = colors.iter().map(off).fold(0.0, f64::max);
+    if step.light_error < crude.light_error { step } else { crude }
 }
 
 fn tau_opacity<R: Real>(tau: R) -> R {

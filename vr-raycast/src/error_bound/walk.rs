@@ -4,8 +4,10 @@ use vr_core::filter::{Lattice, Nearest, Reconstruction};
 use vr_core::{IndexRay, Real, VacuumCells, Voxel};
 
 use super::blocks::{Blocks, EDGE, State};
+use super::crossed::Crossed;
 use super::cubic::Cubic;
 use super::piece_by_piece::{Integral, Place};
+use super::reflection::RayReflection;
 
 /// Field that rays go through.
 pub(super) struct Medium<'a, T> {
@@ -22,11 +24,11 @@ pub(super) fn along<R: Real, T: Voxel>(
     ray: &IndexRay,
     integral: &mut Integral<'_>,
 ) {
-    let shifts: &[f64] = match (nearest, vacuum) {
+    let shifts: &[f64] = match (nearest, vacuum.is_some() || integral.reflection.is_some()) {
         (false, _) => &[0.0],
-        (true, None) => &[0.5],
-        // Constant around each sample; vacuum begins at the lattice.
-        (true, Some(_)) => &[0.0, 0.5],
+        (true, false) => &[0.5],
+        // Constant around each sample; vacuum begins, and gradients change, at the lattice.
+        (true, true) => &[0.0, 0.5],
     };
     let mut planes = Planes::new(ray, shifts);
     let cells = lattice.dims.map(|n| n - 1);
@@ -56,22 +58,23 @@ pub(super) fn along<R: Real, T: Voxel>(
         if next <= from || vacuum.is_some_and(|v| v.contains(middle)) {
             continue;
         }
+        let crossed = || Crossed::new(ray, cell, [from, next], misplaced);
         if nearest {
-            integral.constant(Nearest::value(lattice, middle), from, next - from);
+            let normals = |reflection: &RayReflection<'_>| reflection.normals(lattice, &crossed(), true);
+            integral.constant(Nearest::value(lattice, middle), normals, from, next - from);
         } else {
-            trilinear::<R, T>(lattice, cell, ray, [from, next], misplaced, integral);
+            trilinear::<R, T>(lattice, &crossed(), [from, next], integral);
         }
     }
 }
 
 fn trilinear<R: Real, T: Voxel>(
     lattice: &Lattice<'_, T>,
-    cell: [usize; 3],
-    ray: &IndexRay,
+    crossed: &Crossed,
     [from, to]: [f64; 2],
-    misplaced: f64,
     integral: &mut Integral<'_>,
 ) {
+    let &Crossed { cell, misplaced, .. } = crossed;
     let [row, slice] = [lattice.dims[0], lattice.dims[0] * lattice.dims[1]];
     let o = lattice.offset(cell[0], cell[1], cell[2]);
     let samples = &lattice.samples[o..];
@@ -82,8 +85,9 @@ fn trilinear<R: Real, T: Voxel>(
         [corner(0), corner(1), corner(row), corner(row + 1), corner(slice), corner(slice + 1), corner(slice + row), c7];
     let (low, high) = c.iter().fold((c[0], c[0]), |(l, h), &x| (l.min(x), h.max(x)));
     let base = f64::from(c[0]);
+    let normals = |reflection: &RayReflection<'_>| reflection.normals(lattice, crossed, false);
     if low == high {
-        integral.constant(base, from, to - from);
+        integral.constant(base, normals, from, to - from);
         return;
     }
     // Knots may lie a little off: the cut will look at that.
@@ -93,26 +97,11 @@ fn trilinear<R: Real, T: Voxel>(
     }
     let reach = (f64::from(high) - base).max(base - f64::from(low));
     let start = R::from_f32(c[0]);
-    let mut v = c.map(|x| R::from_f32(x) - start);
-    let ends = [ray.at(from).to_array(), ray.at(to).to_array()];
-    // A sliver, which rounding leaves where faces meet, lies in none of them: the ray goes on.
-    let is_sliver = (0..3).all(|axis| (ends[1][axis] - ends[0][axis]).abs() <= 4.0 * misplaced);
-    // The same function, seen from the box between the two ends.
-    let mut in_face = false;
-    for axis in 0..3 {
-        let at = ends.map(|end| end[axis] - cell[axis] as f64);
-        // In a face, as far as rounding can tell, some samples have no weight.
-        in_face |= !is_sliver && (at.iter().all(|&t| t <= misplaced) || at.iter().all(|&t| t >= 1.0 - misplaced));
-        let t = at.map(|t| R::from_f64(t.clamp(0.0, 1.0)));
-        for i in (0..8).filter(|i| i >> axis & 1 == 0) {
-            let j = i | 1 << axis;
-            let (a, b) = (v[i], v[j]);
-            v[i] = a + t[0] * (b - a);
-            v[j] = a + t[1] * (b - a);
-        }
-    }
-    let limits = (!in_face).then_some([f64::from(low), f64::from(high)]);
-    integral.cell(Cubic::of_trilinear(&v), Place { base, reach, limits, misplaced }, from, to - from);
+    let part = crossed.part.map(|t| t.map(R::from_f64));
+    let cubic = Cubic::across_box(c.map(|x| R::from_f32(x) - start), &part);
+    // In a face, as far as rounding can tell, some samples have no weight.
+    let limits = (!crossed.in_face).then_some([f64::from(low), f64::from(high)]);
+    integral.cell(cubic, Place { base, reach, limits, misplaced }, normals, from, to - from);
 }
 
 /// Returns the largest error of positions along a ray, in cells: a few units in the last place of the largest numbers that they are made of.
