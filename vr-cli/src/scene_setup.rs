@@ -7,7 +7,8 @@ use clap::{Args, FromArgMatches};
 use vr_core::resample::{Resampled, Resampling, Resolution};
 use vr_core::transfer::Preset;
 use vr_core::{
-    Control, OptionError, Options, ParameterError, RenderError, Renderer, Scene, Surfaces, View, Volume, memory,
+    Control, Feature, OptionError, Options, ParameterError, RenderError, Renderer, Scene, Surfaces, View, Volume,
+    memory,
 };
 use vr_io::{
     FileError, FileErrorKind, FileInfo, FileSource, LabelsSection, LoadedScene, LoadedVolume, ResampleSection,
@@ -330,12 +331,30 @@ impl Setup {
         places.into_iter().try_for_each(|(flag, place)| inputs.permit(flag, place, replace))
     }
 
-    /// Returns the failure of a picture that cannot be drawn.
+    /// Returns the failure of a picture that cannot be drawn; a renderer that does not draw it is told with those that do.
     pub fn render_failure(&self, error: RenderError) -> Failure {
         match error {
             RenderError::Parameter(e) => self.origin.parameter(&e),
+            RenderError::Unsupported(refused) => {
+                let others = self.drawn_by(refused.feature == Feature::MaxError);
+                if others.is_empty() {
+                    return Failure::failed(refused);
+                }
+                Failure::failed(format!("{refused} (--renderer {} can)", others.join(" or ")))
+            }
             other => Failure::failed(other),
         }
+    }
+
+    /// Returns the names of the renderers that draw the scene; with a bound of the error, if that is asked for.
+    fn drawn_by(&self, with_bound: bool) -> Vec<&'static str> {
+        let draws = |renderer: &dyn Renderer| renderer.supports(&self.scene, Some(&self.view)).is_ok();
+        let all = renderers::all().into_iter();
+        let drawing = all.filter(|renderer| match with_bound {
+            false => draws(&**renderer),
+            true => renderer.with_max_error(1e-3).is_some_and(|promising| promising.is_ok_and(|r| draws(&*r))),
+        });
+        drawing.map(|renderer| renderer.name()).collect()
     }
 }
 

@@ -77,7 +77,12 @@ struct Codes {
     low: f32,
     levels_per_value: f32,
     codes: [u8; LEVELS],
+    /// Levels at which the code changes, and what it gains there, where these are few: then sums over them are quicker than the table, many voxels at once.
+    few_changes: Option<Vec<(u8, u8)>>,
 }
+
+/// Largest number of changes that sums are quicker for.
+const FEW: usize = 8;
 
 const LEVELS: usize = LevelRanges::LAST as usize + 1;
 
@@ -108,14 +113,39 @@ impl Codes {
         }
         let (low, high) = (levels.stored(0), levels.stored(LevelRanges::LAST));
         let levels_per_value = (f64::from(LevelRanges::LAST) / (high - low)) as f32;
-        Self { low: low as f32, levels_per_value, codes }
+        Self { low: low as f32, levels_per_value, codes, few_changes: few_changes(&codes) }
+    }
+
+    /// Returns the level of a stored number.
+    #[inline(always)]
+    fn level(&self, stored: f32) -> u8 {
+        // `as` saturates, and takes NaN for 0.
+        ((stored - self.low) * self.levels_per_value + 0.5) as u8
     }
 
     /// Returns the code of a stored number.
     #[inline(always)]
     fn of(&self, stored: f32) -> u8 {
-        // `as` saturates, and takes NaN for 0.
-        self.codes[usize::from(((stored - self.low) * self.levels_per_value + 0.5) as u8)]
+        self.codes[usize::from(self.level(stored))]
+    }
+
+    /// Appends the codes of a row of voxels.
+    fn append<T: Voxel>(&self, row: &[T], coded: &mut Vec<u8>) {
+        let start = coded.len();
+        coded.extend(row.iter().map(|sample| self.level(sample.to_f32())));
+        let Some(changes) = &self.few_changes else {
+            coded[start..].iter_mut().for_each(|level| *level = self.codes[usize::from(*level)]);
+            return;
+        };
+        for levels in coded[start..].chunks_mut(WORD) {
+            let mut codes = [self.codes[0]; WORD];
+            for &(from, gain) in changes {
+                for (code, &level) in codes.iter_mut().zip(&*levels) {
+                    *code = code.wrapping_add(if level >= from { gain } else { 0 });
+                }
+            }
+            levels.copy_from_slice(&codes[..levels.len()]);
+        }
     }
 
     /// True if a voxel is visible, or the way from it to the next along an axis.
@@ -130,11 +160,31 @@ impl Codes {
     }
 }
 
+/// Returns the levels at which codes change, and what they gain there; `None` if these are many.
+fn few_changes(codes: &[u8; LEVELS]) -> Option<Vec<(u8, u8)>> {
+    let changes = codes.windows(2).zip(1u8..).filter(|(pair, _)| pair[0] != pair[1]);
+    let changes: Vec<_> = changes.map(|(pair, level)| (level, pair[1].wrapping_sub(pair[0]))).collect();
+    (changes.len() <= FEW).then_some(changes)
+}
+
 /// True if a voxel of a code is visible, or the way to one of the next along the axes, whose codes are given: the field may pass what is visible between two
 /// voxels that are not.
 #[inline(always)]
 fn shows(here: u8, next: [u8; 3]) -> bool {
-    here % 2 == 1 || next.iter().any(|&next| next != here)
+    // Without branches, so that many are looked at at once.
+    (here % 2 == 1) | (next[0] != here) | (next[1] != here) | (next[2] != here)
+}
+
+/// Voxels of a word.
+const WORD: usize = u64::BITS as usize;
+
+/// Returns a word with a bit for each of its voxels, the first lowest.
+fn packed(seen: &[bool; WORD]) -> u64 {
+    seen.chunks_exact(8).zip(0u32..).fold(0, |word, (eight, i)| {
+        let bytes = u64::from_le_bytes(std::array::from_fn(|k| u8::from(eight[k])));
+        // The product brings the lowest bit of byte k to bit 56 + k, and nothing else there.
+        word | (bytes.wrapping_mul(0x0102_0408_1020_4080) >> 56) << (8 * i)
+    })
 }
 
 /// Search for blocks with thin parts.
@@ -231,7 +281,7 @@ impl SeenVoxels {
             for y in 0..high {
                 let start = lattice.offset(first[0], clamped(1, y), clamped(2, z));
                 let row = &lattice.samples[start..start + wide.min(lattice.dims[0] - first[0])];
-                coded.extend(row.iter().map(|s| codes.of(s.to_f32())));
+                codes.append(row, &mut coded);
                 coded.resize((z * high + y + 1) * wide, *coded.last().expect("a row has voxels"));
             }
         }
@@ -240,10 +290,14 @@ impl SeenVoxels {
             for y in 0..dims[1] {
                 let row = |y: usize, z: usize| &coded[(z * high + y) * wide..][..wide];
                 let (this, beside, behind) = (row(y, z), row(y + 1, z), row(y, z + 1));
-                let is_seen = |x: usize| shows(this[x], [this[x + 1], beside[x], behind[x]]);
-                words.extend((0..dims[0]).step_by(64).map(|start| {
-                    let part = start..(start + 64).min(dims[0]);
-                    part.fold(0u64, |word, x| word | u64::from(is_seen(x)) << (x - start))
+                words.extend((0..dims[0]).step_by(WORD).map(|start| {
+                    let end = (start + WORD).min(dims[0]);
+                    let next = [&this[start + 1..=end], &beside[start..end], &behind[start..end]];
+                    let mut seen = [false; WORD];
+                    for (i, (seen, &here)) in seen.iter_mut().zip(&this[start..end]).enumerate() {
+                        *seen = shows(here, next.map(|next| next[i]));
+                    }
+                    packed(&seen)
                 }));
             }
         }
@@ -348,6 +402,22 @@ mod tests {
             assert!(!thin(larger, 0.5).blocks.iter().any(is_inner));
         }
         assert_eq!(thin(|at| at == [9, 13, 5], 0.01).blocks, [[0u16; 3]; 0], "too faint to count");
+    }
+
+    #[test]
+    fn codes_of_rows_are_those_of_their_voxels() {
+        // Few changes, and many.
+        for every in [40, 3] {
+            let codes: [u8; LEVELS] = std::array::from_fn(|level| (level / every * 7) as u8);
+            let codes = Codes { low: -3.0, levels_per_value: 0.5, codes, few_changes: few_changes(&codes) };
+            assert_eq!(codes.few_changes.is_some(), every == 40);
+            let row: Vec<f32> = (0..600).map(|i| i as f32 - 20.0).chain([f32::NAN, f32::INFINITY]).collect();
+            let mut coded = vec![9];
+            codes.append(&row, &mut coded);
+            assert!(coded[1..].iter().zip(&row).all(|(&code, &stored)| code == codes.of(stored)));
+        }
+        let seen: [bool; WORD] = std::array::from_fn(|i| i * i % 7 < 3);
+        assert!((0..WORD).all(|i| packed(&seen) >> i & 1 == u64::from(seen[i])));
     }
 
     #[test]

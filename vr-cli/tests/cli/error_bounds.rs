@@ -47,6 +47,18 @@ fn a_proven_bound_is_printed() {
 }
 
 #[test]
+fn what_a_renderer_cannot_promise_is_told_with_one_that_can() {
+    let vr = Vr::new();
+    let render = "render --phantom blobs --phantom-size 12 --size 8 --error none -o p.png --max-error 0.004";
+    let shaded = vr.run(&format!("{render} --shading")).succeeded();
+    assert!(shaded.stdout.contains("error bound proven"), "{}", shaded.stdout);
+    let refused = vr.run(&format!("{render} --filter bspline")).failed(1);
+    assert!(refused.contains("with the filter 'bspline' (--renderer physics can)"), "{refused}");
+    let proven = vr.run(&format!("{render} --filter bspline --renderer physics")).succeeded();
+    assert!(proven.stdout.contains("error bound proven"), "{}", proven.stdout);
+}
+
+#[test]
 fn a_bound_that_is_not_proven_has_an_exit_code_of_its_own() {
     let vr = Vr::new();
     vr.write("scene.toml", JUMPS);

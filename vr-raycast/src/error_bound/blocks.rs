@@ -67,6 +67,11 @@ impl Blocks {
         self.states[index]
     }
 
+    /// Returns bounds of the stored numbers of a block; the lower above the upper if it is all vacuum.
+    pub(super) fn range(&self, index: usize) -> [f64; 2] {
+        self.ranges[index].map(f64::from)
+    }
+
     /// Returns the difference of the largest and the smallest stored number of a block; 0 if it is all vacuum.
     pub(super) fn span(&self, index: usize) -> f32 {
         let [low, high] = self.ranges[index];

@@ -94,9 +94,39 @@ impl<R: Real> Cubic<R> {
     }
 }
 
+impl Cubic<f64> {
+    /// Returns the parameters between 0 and 1 at which the slope is 0, as far as there are any.
+    pub(super) fn turns(&self) -> [Option<f64>; 2] {
+        let [a, b, c, d] = self.0;
+        let (p, q, r) = (b - a, c - b, d - c);
+        // The slope is 3 (p (1 − t)² + 2 q t (1 − t) + r t²): a quadratic, solved without cancellation.
+        let (second, first) = (p - 2.0 * q + r, q - p);
+        let root = (first * first - second * p).max(0.0).sqrt();
+        let sum = -(first + root.copysign(first));
+        [sum / second, p / sum].map(|t| (t > 0.0 && t < 1.0).then_some(t))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn turns_where_the_slope_is_0() {
+        for cubic in
+            [[0.0, 1.0, -1.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 2.0, 3.0], [1.0; 4], [0.0, 3e8, -1.0, 2.0]]
+        {
+            let cubic = Cubic(cubic);
+            let turns: Vec<f64> = cubic.turns().into_iter().flatten().collect();
+            let size = cubic.0.iter().fold(1.0f64, |m, c| m.max(c.abs()));
+            assert!(turns.iter().all(|&t| cubic.slope(t).abs() < 1e-13 * size), "{turns:?}");
+            let extremes = [0.0, 1.0].into_iter().chain(turns).map(|t| cubic.at(t));
+            let (low, high) = extremes.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            assert!(
+                (0..=64).map(|i| cubic.at(f64::from(i) / 64.0)).all(|x| low - 1e-12 <= x && x <= high + 1e-12 * size)
+            );
+        }
+    }
 
     #[test]
     fn follows_a_trilinear_function() {

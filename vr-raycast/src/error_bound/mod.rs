@@ -6,6 +6,7 @@ mod crossed;
 mod cubic;
 pub(crate) mod optics;
 mod packets;
+mod picks;
 mod piece_by_piece;
 mod reflection;
 mod series;
@@ -19,7 +20,7 @@ use vr_core::filter::Lattice;
 use vr_core::image_order::ImageSample;
 use vr_core::{
     Compositing, Counts, Feature, Filter, GridVolume, IndexRay, LatticeVisitor, Layer, Rays, Real, RenderError, Scene,
-    VacuumCells, View, Voxel,
+    View, Voxel,
 };
 use vr_kernels::vector::LANES;
 
@@ -29,6 +30,7 @@ use account::{Account, Limits};
 use blocks::Blocks;
 use optics::Optics;
 use packets::{BoundedPackets, PacketView};
+use picks::{Search, Wanted};
 use piece_by_piece::Integral;
 use reflection::{RayReflection, Reflection};
 use walk::Medium;
@@ -45,13 +47,15 @@ pub(crate) struct ErrorBound {
     packets: Option<BoundedPackets>,
     error: f64,
     level: f64,
+    /// Value that is picked from each ray; `None` if light is gathered.
+    wanted: Option<Wanted>,
 }
 
 impl ErrorBound {
     /// Checks that there are bounds for a scene. Returns the level at which light ends.
     ///
     /// # Errors
-    /// [`RenderError::Unsupported`] for what there is no bound for: other operators than over and accumulate, other filters than trilinear
+    /// [`RenderError::Unsupported`] for what there is no bound for: the operator first, other filters than trilinear
     /// and nearest, opacity by gradient, and emission given on its own under accumulate.
     pub(crate) fn check(scene: &Scene, volume: &GridVolume) -> Result<f64, RenderError> {
         let without =
@@ -59,6 +63,7 @@ impl ErrorBound {
         let level = match scene.compositing {
             Compositing::Over => 1.0,
             Compositing::Accumulate { level } => level,
+            Compositing::Maximum | Compositing::Minimum | Compositing::Average => 1.0,
             other => return without(format!("under compositing '{}'", other.name())),
         };
         let filter = volume.filter();
@@ -94,9 +99,10 @@ impl ErrorBound {
         let blocks = Blocks::new(volume, &optics);
         let reflection = Reflection::new(scene, volume, optics.brightest);
         // A ray that is cut needs more than the account of its sum, and reflected light more than that of a function of the value.
-        let in_packets = level >= 1.0 && reflection.is_none();
+        let wanted = Wanted::by(scene.compositing, volume.calibration());
+        let in_packets = level >= 1.0 && reflection.is_none() && wanted.is_none();
         let packets = vectors.filter(|_| in_packets).and_then(|v| BoundedPackets::new(v, volume, &optics, &blocks));
-        Ok(Self { volume: Arc::clone(volume), optics, reflection, blocks, packets, error, level })
+        Ok(Self { volume: Arc::clone(volume), optics, reflection, blocks, packets, error, level, wanted })
     }
 
     /// Error that a ray may have: less what storing a pixel as f32 takes.
@@ -198,6 +204,9 @@ impl BoundedRays<'_> {
         let backdrop = layer.map_or(0.0, |l| f64::from(backdrop(l, spot.pixel)));
         let value = part.map_or(RaySample::NOTHING, |part| {
             counts.rays += 1;
+            if let Some(wanted) = self.error_bound.wanted {
+                return self.picked(&part, wanted, counts);
+            }
             let reflection = self.error_bound.reflection.as_ref().map(|r| r.along(ray.direction));
             let account = self.both_stages(BoundedRay { part, reflection, backdrop }, single, counts);
             counts.terminated += u64::from(account.ended);
@@ -208,6 +217,24 @@ impl BoundedRays<'_> {
             }
         });
         layer.map_or(value, |l| value.over(l, spot.pixel))
+    }
+
+    /// Picks the value of a ray.
+    fn picked(&self, ray: &IndexRay, wanted: Wanted, counts: &mut Counts) -> RaySample {
+        let search = self.volume.with_lattice(PickJob { rays: self, ray, wanted });
+        counts.samples += search.steps;
+        let Some(stored) = search.stored() else { return RaySample::NOTHING };
+        let Optics { transfer, calibration, .. } = &self.error_bound.optics;
+        let (rgba, off) = picks::pixel(transfer, *calibration, stored);
+        if off > self.error_bound.ray_error() {
+            counts.count_unbounded(off);
+        }
+        RaySample { rgba: rgba.map(|x| x as f32), depth: (search.distance + ray.offset) as f32 }
+    }
+
+    fn medium<'a, T: Voxel>(&'a self, lattice: Lattice<'a, T>) -> Medium<'a, T> {
+        let nearest = self.volume.filter() == Filter::Nearest;
+        Medium { lattice, vacuum: self.volume.vacuum_cells(), nearest, blocks: &self.error_bound.blocks }
     }
 
     fn both_stages(&self, ray: BoundedRay<'_>, single: &mut Tries, counts: &mut Counts) -> Account {
@@ -230,13 +257,7 @@ impl BoundedRays<'_> {
     }
 
     fn job<'a, R: Real>(&'a self, ray: BoundedRay<'a>) -> Job<'a, R> {
-        Job {
-            error_bound: self.error_bound,
-            vacuum: self.volume.vacuum_cells(),
-            nearest: self.volume.filter() == Filter::Nearest,
-            ray,
-            precision: std::marker::PhantomData,
-        }
+        Job { rays: self, ray, precision: std::marker::PhantomData }
     }
 }
 
@@ -252,10 +273,7 @@ struct BoundedRay<'a> {
 
 /// Integration of one ray in one precision.
 struct Job<'a, R> {
-    error_bound: &'a ErrorBound,
-    vacuum: Option<&'a VacuumCells>,
-    /// True under the filter nearest, false under trilinear.
-    nearest: bool,
+    rays: &'a BoundedRays<'a>,
     ray: BoundedRay<'a>,
     precision: std::marker::PhantomData<R>,
 }
@@ -265,14 +283,31 @@ impl<R: Real> LatticeVisitor for Job<'_, R> {
 
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output {
         let BoundedRay { part, reflection, backdrop } = self.ray;
-        let account = Account::new(self.error_bound.limits(), part.start, part.end, backdrop);
+        let error_bound = self.rays.error_bound;
+        let account = Account::new(error_bound.limits(), part.start, part.end, backdrop);
         // Only f32 has something better to turn to.
         let gives_up = R::ROUNDOFF > f64::EPSILON;
-        let mut integral = Integral::new(&self.error_bound.optics, reflection, account, gives_up);
-        let medium = Medium { lattice, vacuum: self.vacuum, nearest: self.nearest, blocks: &self.error_bound.blocks };
-        walk::along::<R, T>(&medium, &part, &mut integral);
+        let mut integral = Integral::new(&error_bound.optics, reflection, account, gives_up);
+        walk::along::<R, T>(&self.rays.medium(lattice), &part, &mut integral);
         integral.account.finish();
         let kept = integral.is_kept();
         (integral.account, kept)
+    }
+}
+
+/// Search for the value that is picked from one ray.
+struct PickJob<'a> {
+    rays: &'a BoundedRays<'a>,
+    ray: &'a IndexRay,
+    wanted: Wanted,
+}
+
+impl LatticeVisitor for PickJob<'_> {
+    type Output = Search;
+
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output {
+        let mut search = Search::new(self.wanted);
+        walk::along::<f64, T>(&self.rays.medium(lattice), self.ray, &mut search);
+        search
     }
 }

@@ -20,8 +20,8 @@ pub(crate) struct Optics {
     pub(crate) knot_error: f64,
     /// True if knots need no conversion to stored numbers, and so are exact: the calibration is the identity.
     pub(crate) knots_are_exact: bool,
-    transfer: TransferFunction,
-    calibration: Calibration,
+    pub(super) transfer: TransferFunction,
+    pub(super) calibration: Calibration,
 }
 
 /// Range of stored numbers in which opacity and source are linear.

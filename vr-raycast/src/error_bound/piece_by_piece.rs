@@ -3,11 +3,13 @@
 use vr_core::Real;
 
 use super::account::{Account, PendingWall};
+use super::blocks::{Blocks, State};
 use super::cubic::Cubic;
 use super::optics::{Extremes, Optics, Piece};
 use super::reflection::{Normals, RayReflection, Reflected};
 use super::series::Series;
 use super::step::{Step, coarse, constant, constant_reflected, smooth, smooth_reflected};
+use super::walk::Course;
 use crate::root::monotone_root;
 
 /// Largest number of halvings of a cell, after which a step is taken as it is.
@@ -70,38 +72,10 @@ impl<'a> Integral<'a> {
         Self { optics, reflection, account, gives_up }
     }
 
-    /// True if nothing more is to be done.
-    pub(super) fn is_done(&self) -> bool {
-        self.account.ended || (self.gives_up && !self.is_kept())
-    }
-
     /// True if the bound asked for is kept.
     pub(super) fn is_kept(&self) -> bool {
         let too_long = self.gives_up && self.account.steps > MAX_STEPS_FIRST;
         !(too_long || self.account.is_over())
-    }
-
-    /// Integrates a stretch of one stored number. `normals` gives those along it, where light is reflected.
-    pub(super) fn constant(
-        &mut self,
-        stored: f64,
-        normals: impl FnOnce(&RayReflection<'_>) -> Normals,
-        s: f64,
-        length: f64,
-    ) {
-        let (rate, source) = self.optics.exactly(stored);
-        if rate == 0.0 && !(self.optics.emits && source != [0.0; 3]) {
-            return;
-        }
-        let normals = self.reflection.as_ref().map_or(Normals::Absent, normals);
-        if rate == f64::INFINITY {
-            let light = if self.optics.emits { [0.0; 3] } else { source };
-            self.wall(light, 0.0, 0.0, (&normals, 0.0), s);
-        } else if matches!(normals, Normals::Absent) {
-            self.account.take(&constant(self.optics, rate, source, length), s);
-        } else {
-            self.uniform_part((rate, source), &normals, ([0.0, 1.0], s, length), 0);
-        }
     }
 
     /// Integrates a part, from one fraction of a cell to another, of one extinction and colour, the light of which is reflected.
@@ -145,7 +119,7 @@ impl<'a> Integral<'a> {
     }
 
     /// Takes a step over all values of a range if that is good enough; returns true if so.
-    pub(super) fn coarse(&mut self, extremes: &Extremes, s: f64, length: f64) -> bool {
+    fn coarse(&mut self, extremes: &Extremes, s: f64, length: f64) -> bool {
         if extremes.wall {
             return false;
         }
@@ -168,20 +142,6 @@ impl<'a> Integral<'a> {
             }
         }
         lit
-    }
-
-    /// Integrates a cell, along which the field is the place's base + `cubic`.
-    pub(super) fn cell<R: Real>(
-        &mut self,
-        cubic: Cubic<R>,
-        place: Place,
-        normals: impl FnOnce(&RayReflection<'_>) -> Normals,
-        s: f64,
-        length: f64,
-    ) {
-        let normals = self.reflection.as_ref().map_or(Normals::Absent, normals);
-        let cell = Cell { place, whole: cubic, normals, length };
-        self.part(&cell, Part { cubic, ends: [0.0, 1.0], s, length, cuts: 0 });
     }
 
     fn part<R: Real>(&mut self, cell: &Cell<R>, part: Part<R>) {
@@ -363,5 +323,55 @@ impl<'a> Integral<'a> {
         let extremes = self.lit(&self.optics.extremes(min, max), &cell.normals, part.ends);
         let step = self.coarse_part(&extremes, cell, &part, noise);
         self.take_anyway(&extremes, step, cell, &part, noise);
+    }
+}
+
+impl Course for Integral<'_> {
+    fn is_done(&self) -> bool {
+        self.account.ended || (self.gives_up && !self.is_kept())
+    }
+
+    fn passes_block(&mut self, blocks: &Blocks, index: usize, s: f64, length: f64) -> bool {
+        let state = blocks.state(index);
+        state == State::Clear || state == State::Filled && self.coarse(&blocks.extremes(index, self.optics), s, length)
+    }
+
+    fn passes_values(&self, [low, high]: [f64; 2]) -> bool {
+        // Knots may lie a little off: the cut will look at that.
+        let room = self.optics.knot_error;
+        self.optics.is_clear(low - room, high + room)
+    }
+
+    fn looks_at_normals(&self) -> bool {
+        self.reflection.is_some()
+    }
+
+    fn constant(&mut self, stored: f64, normals: impl FnOnce(&RayReflection<'_>) -> Normals, s: f64, length: f64) {
+        let (rate, source) = self.optics.exactly(stored);
+        if rate == 0.0 && !(self.optics.emits && source != [0.0; 3]) {
+            return;
+        }
+        let normals = self.reflection.as_ref().map_or(Normals::Absent, normals);
+        if rate == f64::INFINITY {
+            let light = if self.optics.emits { [0.0; 3] } else { source };
+            self.wall(light, 0.0, 0.0, (&normals, 0.0), s);
+        } else if matches!(normals, Normals::Absent) {
+            self.account.take(&constant(self.optics, rate, source, length), s);
+        } else {
+            self.uniform_part((rate, source), &normals, ([0.0, 1.0], s, length), 0);
+        }
+    }
+
+    fn cell<R: Real>(
+        &mut self,
+        cubic: Cubic<R>,
+        place: Place,
+        normals: impl FnOnce(&RayReflection<'_>) -> Normals,
+        s: f64,
+        length: f64,
+    ) {
+        let normals = self.reflection.as_ref().map_or(Normals::Absent, normals);
+        let cell = Cell { place, whole: cubic, normals, length };
+        self.part(&cell, Part { cubic, ends: [0.0, 1.0], s, length, cuts: 0 });
     }
 }

@@ -3,11 +3,11 @@
 use vr_core::filter::{Lattice, Nearest, Reconstruction};
 use vr_core::{IndexRay, Real, VacuumCells, Voxel};
 
-use super::blocks::{Blocks, EDGE, State};
+use super::blocks::{Blocks, EDGE};
 use super::crossed::Crossed;
 use super::cubic::Cubic;
-use super::piece_by_piece::{Integral, Place};
-use super::reflection::RayReflection;
+use super::piece_by_piece::Place;
+use super::reflection::{Normals, RayReflection};
 
 /// Field that rays go through.
 pub(super) struct Medium<'a, T> {
@@ -18,13 +18,41 @@ pub(super) struct Medium<'a, T> {
     pub(super) blocks: &'a Blocks,
 }
 
-/// Integrates along a ray: over clear blocks at once, over others in one step where that is good enough, else cell by cell.
+/// What is gathered along a ray, from the eye into the depth.
+pub(super) trait Course {
+    /// True if nothing more is to be done.
+    fn is_done(&self) -> bool;
+
+    /// Takes a block, through which the ray goes from `s` on, as a whole if it need not be looked at more closely; returns true if so.
+    fn passes_block(&mut self, blocks: &Blocks, index: usize, s: f64, length: f64) -> bool;
+
+    /// True if no value of a range matters.
+    fn passes_values(&self, range: [f64; 2]) -> bool;
+
+    /// True if gradients matter.
+    fn looks_at_normals(&self) -> bool;
+
+    /// Takes a stretch of one stored number. `normals` gives those along it, where light is reflected.
+    fn constant(&mut self, stored: f64, normals: impl FnOnce(&RayReflection<'_>) -> Normals, s: f64, length: f64);
+
+    /// Takes a cell, along which the field is the place's base + `cubic`.
+    fn cell<R: Real>(
+        &mut self,
+        cubic: Cubic<R>,
+        place: Place,
+        normals: impl FnOnce(&RayReflection<'_>) -> Normals,
+        s: f64,
+        length: f64,
+    );
+}
+
+/// Goes along a ray: over blocks at once where that is good enough, else cell by cell.
 pub(super) fn along<R: Real, T: Voxel>(
     &Medium { ref lattice, vacuum, nearest, blocks }: &Medium<'_, T>,
     ray: &IndexRay,
-    integral: &mut Integral<'_>,
+    course: &mut impl Course,
 ) {
-    let shifts: &[f64] = match (nearest, vacuum.is_some() || integral.reflection.is_some()) {
+    let shifts: &[f64] = match (nearest, vacuum.is_some() || course.looks_at_normals()) {
         (false, _) => &[0.0],
         (true, false) => &[0.5],
         // Constant around each sample; vacuum begins, and gradients change, at the lattice.
@@ -34,19 +62,16 @@ pub(super) fn along<R: Real, T: Voxel>(
     let cells = lattice.dims.map(|n| n - 1);
     let misplaced = misplaced(ray, lattice.dims);
     let (mut s, mut last) = (ray.start, usize::MAX);
-    while s < ray.end && !integral.is_done() {
+    while s < ray.end && !course.is_done() {
         let next = planes.next(s).min(ray.end);
         let middle = ray.at(0.5 * (s + next)).to_array();
         let cell: [usize; 3] = std::array::from_fn(|a| lattice.cell(a, middle[a]).0);
         let block = cell.map(|c| c / EDGE);
         let index = blocks.index(block);
         if index != last {
-            let state = blocks.state(index);
             let end = end_of_block(ray, block, cells).min(ray.end);
             if end > s {
-                if state == State::Clear
-                    || state == State::Filled && integral.coarse(&blocks.extremes(index, integral.optics), s, end - s)
-                {
+                if course.passes_block(blocks, index, s, end - s) {
                     s = end;
                     continue;
                 }
@@ -61,9 +86,9 @@ pub(super) fn along<R: Real, T: Voxel>(
         let crossed = || Crossed::new(ray, cell, [from, next], misplaced);
         if nearest {
             let normals = |reflection: &RayReflection<'_>| reflection.normals(lattice, &crossed(), true);
-            integral.constant(Nearest::value(lattice, middle), normals, from, next - from);
+            course.constant(Nearest::value(lattice, middle), normals, from, next - from);
         } else {
-            trilinear::<R, T>(lattice, &crossed(), [from, next], integral);
+            trilinear::<R, T>(lattice, &crossed(), [from, next], course);
         }
     }
 }
@@ -72,7 +97,7 @@ fn trilinear<R: Real, T: Voxel>(
     lattice: &Lattice<'_, T>,
     crossed: &Crossed,
     [from, to]: [f64; 2],
-    integral: &mut Integral<'_>,
+    course: &mut impl Course,
 ) {
     let &Crossed { cell, misplaced, .. } = crossed;
     let [row, slice] = [lattice.dims[0], lattice.dims[0] * lattice.dims[1]];
@@ -87,12 +112,10 @@ fn trilinear<R: Real, T: Voxel>(
     let base = f64::from(c[0]);
     let normals = |reflection: &RayReflection<'_>| reflection.normals(lattice, crossed, false);
     if low == high {
-        integral.constant(base, normals, from, to - from);
+        course.constant(base, normals, from, to - from);
         return;
     }
-    // Knots may lie a little off: the cut will look at that.
-    let room = integral.optics.knot_error;
-    if integral.optics.is_clear(f64::from(low) - room, f64::from(high) + room) {
+    if course.passes_values([f64::from(low), f64::from(high)]) {
         return;
     }
     let reach = (f64::from(high) - base).max(base - f64::from(low));
@@ -101,7 +124,7 @@ fn trilinear<R: Real, T: Voxel>(
     let cubic = Cubic::across_box(c.map(|x| R::from_f32(x) - start), &part);
     // In a face, as far as rounding can tell, some samples have no weight.
     let limits = (!crossed.in_face).then_some([f64::from(low), f64::from(high)]);
-    integral.cell(cubic, Place { base, reach, limits, misplaced }, normals, from, to - from);
+    course.cell(cubic, Place { base, reach, limits, misplaced }, normals, from, to - from);
 }
 
 /// Returns the largest error of positions along a ray, in cells: a few units in the last place of the largest numbers that they are made of.

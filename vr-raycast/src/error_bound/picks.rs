@@ -1,0 +1,212 @@
+//! The operators that pick one value of a ray, with a bound of what that is off by.
+
+use vr_core::{Calibration, Compositing, Real, TransferFunction};
+
+use super::blocks::Blocks;
+use super::cubic::Cubic;
+use super::piece_by_piece::Place;
+use super::reflection::{Normals, RayReflection};
+use super::walk::Course;
+
+/// Value that is picked from a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Wanted {
+    /// The largest of sign · stored number, the sign being 1 or −1.
+    Extreme(f64),
+    Average,
+}
+
+/// Search for the value that an operator picks from one ray, in f64.
+#[derive(Clone, Debug)]
+pub(super) struct Search {
+    wanted: Wanted,
+    /// Largest value found, times the sign, and its distance.
+    found: f64,
+    pub(super) distance: f64,
+    /// Bounds of the largest value that there is.
+    at_least: f64,
+    at_most: f64,
+    /// Integrals of the field and of what it is off by, and the length of all that is no vacuum.
+    integral: f64,
+    off: f64,
+    length: f64,
+    pub(super) steps: u64,
+}
+
+impl Wanted {
+    /// Returns what an operator picks; `None` if it picks no value of the whole ray.
+    pub(super) fn by(compositing: Compositing, calibration: Calibration) -> Option<Self> {
+        // A negative slope turns the order of the stored numbers round.
+        let rising = calibration.slope > 0.0;
+        match compositing {
+            Compositing::Maximum => Some(Self::Extreme(if rising { 1.0 } else { -1.0 })),
+            Compositing::Minimum => Some(Self::Extreme(if rising { -1.0 } else { 1.0 })),
+            Compositing::Average => Some(Self::Average),
+            _ => None,
+        }
+    }
+}
+
+impl Search {
+    pub(super) fn new(wanted: Wanted) -> Self {
+        let none = f64::NEG_INFINITY;
+        let (integral, off, length) = (0.0, 0.0, 0.0);
+        Self {
+            wanted,
+            found: none,
+            distance: f64::INFINITY,
+            at_least: none,
+            at_most: none,
+            integral,
+            off,
+            length,
+            steps: 0,
+        }
+    }
+
+    /// Returns the stored number that is picked and bounds of the true one; `None` where all is vacuum.
+    pub(super) fn stored(&self) -> Option<(f64, [f64; 2])> {
+        match self.wanted {
+            Wanted::Extreme(sign) if self.found > f64::NEG_INFINITY => {
+                let (low, high) = (self.at_least.min(self.found), self.at_most.max(self.found));
+                Some((sign * self.found, if sign > 0.0 { [low, high] } else { [-high, -low] }))
+            }
+            Wanted::Average if self.length > 0.0 => {
+                let mean = self.integral / self.length;
+                let off = self.off / self.length + f64::EPSILON * (self.steps as f64 + 4.0) * mean.abs();
+                Some((mean, [mean - off, mean + off]))
+            }
+            _ => None,
+        }
+    }
+
+    /// Takes a value at a distance, times the sign, that is off by `off` at most, and nowhere nearby beyond `limit`.
+    fn take(&mut self, value: f64, off: f64, limit: f64, s: f64) {
+        if value > self.found {
+            (self.found, self.distance) = (value, s);
+        }
+        self.at_least = self.at_least.max(value - off);
+        self.at_most = self.at_most.max((value + off).min(limit));
+    }
+
+    /// True if no value of a range can be the one that is picked.
+    fn cannot_win(&self, [low, high]: [f64; 2]) -> bool {
+        match self.wanted {
+            Wanted::Extreme(sign) => (sign * low).max(sign * high) <= self.at_least,
+            Wanted::Average => false,
+        }
+    }
+}
+
+impl Course for Search {
+    fn is_done(&self) -> bool {
+        false
+    }
+
+    fn passes_block(&mut self, blocks: &Blocks, index: usize, _: f64, _: f64) -> bool {
+        let [low, high] = blocks.range(index);
+        low > high || self.cannot_win([low, high])
+    }
+
+    fn passes_values(&self, range: [f64; 2]) -> bool {
+        self.cannot_win(range)
+    }
+
+    fn looks_at_normals(&self) -> bool {
+        false
+    }
+
+    fn constant(&mut self, stored: f64, _: impl FnOnce(&RayReflection<'_>) -> Normals, s: f64, length: f64) {
+        self.steps += 1;
+        match self.wanted {
+            Wanted::Extreme(sign) => self.take(sign * stored, 0.0, f64::INFINITY, s),
+            Wanted::Average => {
+                self.integral += stored * length;
+                self.length += length;
+            }
+        }
+    }
+
+    fn cell<R: Real>(
+        &mut self,
+        cubic: Cubic<R>,
+        place: Place,
+        _: impl FnOnce(&RayReflection<'_>) -> Normals,
+        s: f64,
+        length: f64,
+    ) {
+        self.steps += 1;
+        let cubic = Cubic(cubic.0.map(R::to_f64));
+        // As for integrals: roundings of the interpolation, the position, and those of what is made of the cubic here.
+        let off = place.reach * (2.0 * R::ROUNDOFF * 32.0 + 3.0 * place.misplaced) + f64::EPSILON * place.base.abs();
+        match self.wanted {
+            Wanted::Extreme(sign) => {
+                // Inside a cell the field does not reach its extreme samples; at an end it may.
+                let reached = |[low, high]: [f64; 2]| (sign * low).max(sign * high);
+                let limit = place.limits.map_or(f64::INFINITY, reached);
+                let turns = cubic.turns().into_iter().flatten();
+                for t in [0.0, 1.0].into_iter().chain(turns) {
+                    self.take(sign * (place.base + cubic.at(t)), off, limit, s + t * length);
+                }
+            }
+            Wanted::Average => {
+                let mean = cubic.0.iter().sum::<f64>() * 0.25;
+                self.integral += (place.base + mean) * length;
+                self.off += off * length;
+                self.length += length;
+            }
+        }
+    }
+}
+
+/// Returns the pixel of a stored number, and the largest difference of one of its components from those of the others in a range.
+pub(super) fn pixel(
+    transfer: &TransferFunction,
+    calibration: Calibration,
+    (stored, [low, high]): (f64, [f64; 2]),
+) -> ([f64; 4], f64) {
+    let pixel = transfer.at(calibration.value(stored)).pixel();
+    let ends = [low, high].map(|x| calibration.value(x));
+    // A unit in the last place for what the calibration rounds.
+    let (low, high) = (ends[0].min(ends[1]).next_down(), ends[0].max(ends[1]).next_up());
+    let mut off = 0.0f64;
+    let exact = low.next_up() == high.next_down();
+    let touched = transfer.segments().iter().filter(|s| s.to >= low && s.from <= high);
+    for segment in touched.filter(|_| !exact) {
+        // Opacity and colour are linear here: products lie between those of their extremes.
+        let [a, b] = [low.max(segment.from), high.min(segment.to)].map(|value| segment.at(value));
+        let (min, max) = (a.opacity.min(b.opacity), a.opacity.max(b.opacity));
+        off = off.max(pixel[3] - min).max(max - pixel[3]);
+        for c in 0..3 {
+            let (dark, bright) = (a.color[c].min(b.color[c]), a.color[c].max(b.color[c]));
+            off = off.max(pixel[c] - min * dark).max(max * bright - pixel[c]);
+        }
+    }
+    (pixel, off + 8.0 * f64::EPSILON * pixel.into_iter().fold(0.0, f64::max))
+}
+
+#[cfg(test)]
+mod tests {
+    use vr_core::{ControlPoint, OpacityRule};
+
+    use super::*;
+
+    #[test]
+    fn pixels_are_off_by_what_their_values_are() {
+        let points = vec![
+            ControlPoint::new(0.0, [0.2, 0.4, 0.0], 0.0),
+            ControlPoint::new(1.0, [0.6, 0.4, 1.0], 0.5),
+            ControlPoint::new(1.0, [1.0, 0.0, 0.0], 0.9),
+        ];
+        let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
+        let of = |x: f64, low: f64, high: f64| pixel(&transfer, Calibration::default(), (x, [low, high]));
+        let (half, off) = of(0.5, 0.5, 0.5);
+        assert_eq!(half, [0.1, 0.1, 0.125, 0.25]);
+        assert!(off < 1e-14);
+        let (_, off) = of(0.5, 0.48, 0.52);
+        assert!((0.01..0.03).contains(&off), "{off}");
+        // Across the jump, all of it.
+        assert!(of(0.99, 0.98, 1.01).1 > 0.4);
+        assert!(of(1.0, 1.0, 1.0).1 < 1e-14, "known to the last bit");
+    }
+}
