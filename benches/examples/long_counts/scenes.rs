@@ -22,6 +22,12 @@ const SIDE: u32 = 6;
 /// Largest number of attempts at making a scene smaller that breaks its promise.
 const SHRINK_STEPS: usize = 2000;
 
+/// Number of scenes that are drawn at once.
+const JOBS: u64 = 16;
+
+/// Sums by the look of the transfer function, under each bound.
+type Tallies = BTreeMap<Look, [Tally; 3]>;
+
 /// Look of a transfer function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Look {
@@ -187,14 +193,46 @@ fn breaks(test: &TestScene, control: &Control) -> Result<bool, Error> {
 
 /// Draws the scenes of some seeds under each bound, and prints the tables.
 pub fn count(seeds: Range<u64>, out: &Path) -> Result<(), Error> {
-    let control = Control::default().with_threads(1);
-    let strategy = scenes();
-    let mut tallies: BTreeMap<Look, [Tally; 3]> = BTreeMap::new();
     println!(
         "seeds {} to {}: grids of 2 to 8 voxels a side (noise, constant blocks, sheets of one voxel, waves), f32 and u8, trilinear and nearest; \
          orthographic and perspective, a quarter from inside; pictures of {SIDE}x{SIDE} pixels",
         seeds.start, seeds.end
     );
+    // Several scenes at once: a picture of a few pixels is over before a second thread has begun.
+    let share = |job: u64| seeds.clone().filter(move |seed| seed % JOBS == job);
+    let tallies = std::thread::scope(|scope| {
+        let jobs: Vec<_> =
+            (0..JOBS).map(|job| scope.spawn(move || survey(share(job), out).map_err(|e| e.to_string()))).collect();
+        let mut all = Tallies::new();
+        for job in jobs {
+            for (look, own) in job.join().expect("no job panics")? {
+                let sums = all.entry(look).or_default();
+                sums.iter_mut().zip(&own).for_each(|(sum, own)| sum.join(own));
+            }
+        }
+        Ok::<_, Error>(all)
+    })?;
+    println!("\n| transfer function | bound | {} |", Tally::HEADING);
+    for (look, own) in &tallies {
+        for (tally, bound) in own.iter().zip(BOUNDS) {
+            println!("| {} | {bound} | {} |", look.name(), tally.row());
+        }
+    }
+    println!("\nPictures, in percent, by their largest error in tenths of the bound; the last column is beyond it");
+    for (i, bound) in BOUNDS.into_iter().enumerate() {
+        let mut all = Tally::default();
+        tallies.values().for_each(|own| all.join(&own[i]));
+        println!("| all | {bound} | {} |", all.row());
+        println!("| {bound} | {} |", all.distribution());
+    }
+    Ok(())
+}
+
+/// Draws the scenes of some seeds under each bound.
+fn survey(seeds: impl Iterator<Item = u64>, out: &Path) -> Result<Tallies, Error> {
+    let control = Control::default().with_threads(1);
+    let strategy = scenes();
+    let mut tallies = Tallies::new();
     for seed in seeds {
         let config = Config {
             rng_algorithm: RngAlgorithm::ChaCha,
@@ -233,18 +271,5 @@ pub fn count(seeds: Range<u64>, out: &Path) -> Result<(), Error> {
         std::fs::write(&path, format!("# seed {seed}: {reason}\n{}\n", smallest.scene_file()?))?;
         println!("  the smallest like it is {}", path.display());
     }
-    println!("\n| transfer function | bound | {} |", Tally::HEADING);
-    for (look, own) in &tallies {
-        for (tally, bound) in own.iter().zip(BOUNDS) {
-            println!("| {} | {bound} | {} |", look.name(), tally.row());
-        }
-    }
-    println!("\nPictures, in percent, by their largest error in tenths of the bound; the last column is beyond it");
-    for (i, bound) in BOUNDS.into_iter().enumerate() {
-        let mut all = Tally::default();
-        tallies.values().for_each(|own| all.join(&own[i]));
-        println!("| all | {bound} | {} |", all.row());
-        println!("| {bound} | {} |", all.distribution());
-    }
-    Ok(())
+    Ok(tallies)
 }

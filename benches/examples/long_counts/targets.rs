@@ -45,6 +45,7 @@ pub fn count(seeds: Range<u64>, out: &Path) -> Result<(), Error> {
         "seeds {} to {}, kinds and targets ({TARGETS:?}) in turns, pictures of {}x{} pixels, all of them compared",
         seeds.start, seeds.end, SIZE[0], SIZE[1]
     );
+    println!("| seed | kind | target | RMSE in targets | time of the choice in pictures |");
     for seed in seeds {
         let kind = Kind::ALL[(seed % Kind::ALL.len() as u64) as usize];
         let TestScene { scene, view } = kind.draw(seed);
@@ -69,6 +70,7 @@ pub fn count(seeds: Range<u64>, out: &Path) -> Result<(), Error> {
         let rmse = Metrics::of(&rgba, choice.rendered.frame.pixels()).rmse;
         ratios.push(rmse / target);
         shares.push(share);
+        println!("| {seed} | {} | {target} | {:.4} | {share:.1} |", kind.name(), rmse / target);
         if rmse <= target {
             kept += 1;
             continue;
