@@ -4,8 +4,13 @@
 use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
+use peak_alloc::PeakAlloc;
 use vr_core::memory;
-use vr_fuzz::{Ground, MEMORY_LEFT, target};
+use vr_fuzz::{Ground, MAX_MEMORY, MEMORY_LEFT, target};
+
+// Counts memory without AddressSanitizer, which takes most of the time and finds little in safe Rust.
+#[global_allocator]
+static HEAP: PeakAlloc = PeakAlloc;
 
 static GROUND: LazyLock<Ground> = LazyLock::new(|| {
     memory::set_meter(|| MEMORY_LEFT);
@@ -14,7 +19,10 @@ static GROUND: LazyLock<Ground> = LazyLock::new(|| {
 });
 
 fuzz_target!(|bytes: &[u8]| {
+    HEAP.reset_peak_usage();
     if let Err(fault) = GROUND.run(bytes) {
         panic!("{fault}");
     }
+    let peak = HEAP.peak_usage();
+    assert!(peak < MAX_MEMORY, "took {peak} bytes");
 });

@@ -10,6 +10,10 @@ use crate::targets::Target;
 /// Bytes of memory that readers are told is left. Seeds have a few kilobytes: what takes more has believed a header.
 pub const MEMORY_LEFT: u64 = 64 << 20;
 
+/// Bytes of memory that a reader may take at one time: what it asked for, the page or piece that it unpacks beside that, and tables of its
+/// decoders.
+pub const MAX_MEMORY: usize = 2 * MEMORY_LEFT as usize + (16 << 20);
+
 /// A folder in which a reader meets one file after the other, with those beside it that it needs.
 pub struct Ground {
     target: &'static Target,

@@ -34,5 +34,5 @@ mod small_points;
 #[path = "../../vr-io/tests/all/tiny/mod.rs"]
 mod tiny;
 
-pub use ground::{Ground, MEMORY_LEFT};
+pub use ground::{Ground, MAX_MEMORY, MEMORY_LEFT};
 pub use targets::{TARGETS, Target, target};

@@ -10,13 +10,10 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use vr_core::memory;
-use vr_fuzz::{Ground, MEMORY_LEFT, TARGETS};
+use vr_fuzz::{Ground, MAX_MEMORY, MEMORY_LEFT, TARGETS};
 
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
-
-/// Memory that a reader may take at one time: what it asked for, the page or piece that it unpacks beside that, and tables of its decoders.
-const MOST: usize = 2 * MEMORY_LEFT as usize + (16 << 20);
 
 /// Longest time that a file of kilobytes may take, on a machine that does other work meanwhile.
 const LONGEST: Duration = Duration::from_secs(10);
@@ -111,11 +108,11 @@ fn every_reader_survives() {
                 count.set(count.get() + 1);
                 slowest.set(slowest.get().max((time, target.name)));
                 most.set(most.get().max((peak, target.name)));
-                if outcome.is_err() || time >= LONGEST || peak >= MOST {
+                if outcome.is_err() || time >= LONGEST || peak >= MAX_MEMORY {
                     std::fs::write(&kept, &damaged).unwrap();
                 }
                 prop_assert!(time < LONGEST, "took {:?}", time);
-                prop_assert!(peak < MOST, "took {} bytes", peak);
+                prop_assert!(peak < MAX_MEMORY, "took {} bytes", peak);
                 outcome.map_err(|e| TestCaseError::fail(format!("{e} from {:?}", String::from_utf8_lossy(&damaged))))
             });
             outcome.unwrap_or_else(|e| panic!("{}: {e}; the file is {}", target.name, kept.display()));

@@ -2,6 +2,7 @@
 
 use super::error::RectilinearError;
 use crate::limits::{MAX_STEPS_AWAY, is_length};
+use crate::memory;
 
 /// Rising places along an axis, at uneven distances, and the map from coordinates to fractional indices that is linear between two of them.
 ///
@@ -41,6 +42,7 @@ impl Axis {
             }
         }
         let count = places.len() - 1;
+        memory::check("the buckets of an axis of the rectilinear grid", (places.len() * size_of::<u32>()) as u64)?;
         let scale = count as f64 / (last - first);
         let holding = |x: f64| places.partition_point(|&p| p <= x).clamp(1, count) - 1;
         let buckets = (0..=count).map(|b| holding(first + b as f64 / scale) as u32).collect();

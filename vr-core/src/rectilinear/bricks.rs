@@ -38,7 +38,18 @@ struct Brick {
 }
 
 impl AxisCuts {
+    /// Largest number of bytes of the cuts of so many cells, each cell a segment and a piece of its own at worst: with them, its width and the length of
+    /// its run for as long as cuts are looked for.
+    fn max_bytes(cells: usize) -> u64 {
+        let each =
+            size_of::<Segment>() + 2 * size_of::<f64>() + size_of::<[u32; 2]>() + size_of::<u32>() + size_of::<usize>();
+        // Lists that grow have room for twice as many for a moment.
+        2 * cells as u64 * each as u64
+    }
+
     fn new(axis: &Axis) -> Self {
+        let cells = axis.places().len() - 1;
+        cancel::claim("the cuts of an axis of the rectilinear grid", Self::max_bytes(cells));
         let segments = Segment::cut(axis.places());
         let (mut planes, mut pieces, mut of_cells) = (vec![axis.places()[0]], Vec::<[u32; 2]>::new(), Vec::new());
         for (number, segment) in segments.iter().enumerate() {

@@ -1,6 +1,7 @@
 //! Errors of a rectilinear grid.
 
 use crate::error::GridError;
+use crate::memory::MemoryError;
 
 /// An error of a rectilinear grid.
 ///
@@ -73,4 +74,7 @@ pub enum RectilinearError {
     /// Numbers of values that no grid can have.
     #[error(transparent)]
     Grid(#[from] GridError),
+    /// An axis that does not fit into the memory that is left.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 use vr_core::amr::{AmrBlock, AmrCentring};
 use vr_core::cancel::Stopped;
 use vr_core::labels::{LabelError, LabelMap};
-use vr_core::rectilinear::Centering;
+use vr_core::rectilinear::{Centering, RectilinearError};
 use vr_core::{
     AmrGrid, AnyGrid, Calibration, Control, Filter, Placement, PointKernel, PointSet, RectilinearGrid, UniformGrid,
     Volume, memory,
@@ -64,13 +64,30 @@ fn what_does_not_fit_is_refused_before_it_is_made() {
     assert!(refused.starts_with("the bricks of the adaptive mesh would need 6.3 MB"), "{refused}");
     // A brick of 12 bytes for each row of eight cells.
     let axes = [vec![0.0, 1.0], vec![0.0, 1.0], (0..=800_000).map(|i| f64::from(i).powf(1.1)).collect()];
-    let uneven = RectilinearGrid::new(axes, vec![0.5; 4 * 800_001], Centering::Points).unwrap();
+    let made = || RectilinearGrid::new(axes.clone(), vec![0.5; 4 * 800_001], Centering::Points);
+    // Four bytes a place, asked for when the grid is made.
+    LEFT.store(3 * count, Ordering::Relaxed);
+    let refused = made().unwrap_err();
+    LEFT.store(u64::MAX, Ordering::Relaxed);
+    assert!(matches!(refused, RectilinearError::Memory(_)), "{refused}");
+    assert!(
+        refused.to_string().starts_with("the buckets of an axis of the rectilinear grid would need 3.2 MB"),
+        "{refused}"
+    );
+    let uneven = made().unwrap();
     // Made when a ray first asks for them.
     LEFT.store(count, Ordering::Relaxed);
     let outcome = Control::default().cancellable(|| uneven.bricks().len());
     LEFT.store(u64::MAX, Ordering::Relaxed);
     let refused = outcome.unwrap_err().to_string();
     assert!(refused.starts_with("the bricks of the rectilinear grid would need 1.2 MB"), "{refused}");
+    // Cuts of the axis: 60 bytes a cell at most, twice while lists grow.
+    LEFT.store(10 * count, Ordering::Relaxed);
+    let outcome = Control::default().cancellable(|| uneven.bricks().len());
+    LEFT.store(u64::MAX, Ordering::Relaxed);
+    let refused = outcome.unwrap_err().to_string();
+    assert!(refused.starts_with("the cuts of an axis of the rectilinear grid would need "), "{refused}");
+    assert_eq!(uneven.bricks().len(), 100_000);
     // A refusal leaves nothing behind: with the memory there, all are made.
     for volume in [&spline, &missing, &points] {
         assert_eq!(refusal(volume, 100 * count), None);

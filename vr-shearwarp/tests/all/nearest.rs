@@ -1,6 +1,7 @@
 //! Values of the nearest voxels: against the renderer's own model, and against the reference.
 
 use vr_core::*;
+use vr_physics::Metrics;
 use vr_physics::check::pictures::*;
 use vr_shearwarp::{ShearWarp, WarpFilter};
 
@@ -86,12 +87,13 @@ fn picked_values_are_those_of_voxels() {
     for compositing in operators {
         let scene = Scene { compositing, ..scene.clone() };
         let view = view(&scene, 33.0, 21.0, None, 32);
+        let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
         let errors = [0.5, 0.0625].map(|texel| {
             let mut renderer = fine(texel, Classification::Post);
             if !compositing.integrates_light() {
                 renderer.termination = ShearWarp::default().termination;
             }
-            error(&renderer, &scene, &view).rmse
+            Metrics::of(&truth, draw(&renderer, &scene, &view).frame.pixels()).rmse
         });
         println!("{}: {errors:?}", compositing.name());
         // Corners of voxels that a ray cuts between two samples, and a texel's width of each jump.

@@ -1,6 +1,7 @@
 //! Grids whose voxels have colours: against the renderer's own model, and against the reference.
 
 use vr_core::*;
+use vr_physics::Metrics;
 use vr_physics::check::pictures::*;
 use vr_splat::{Buffers, Shape, SplatKernel, Splatter};
 
@@ -36,8 +37,10 @@ fn sheets_converge_to_the_reference() {
         for (name, scene) in looks_of_bytes(&colored_scene(filter)) {
             for (azimuth, elevation, fov) in VIEWS {
                 let view = view(&scene, azimuth, elevation, fov, 16);
+                let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
                 let errors = [0.5, 0.125].map(|slice_spacing| {
-                    error(&Splatter { slice_spacing, termination: 1.0, ..Splatter::default() }, &scene, &view).rmse
+                    let renderer = Splatter { slice_spacing, termination: 1.0, ..Splatter::default() };
+                    Metrics::of(&truth, draw(&renderer, &scene, &view).frame.pixels()).rmse
                 });
                 println!("{filter} {name} {azimuth}: {errors:?}");
                 // The square of a quarter is a sixteenth; where colours jump a sheet is off by its thickness.

@@ -1,6 +1,7 @@
 //! Filters of the scene, each splatted by the kernel that it is.
 
 use vr_core::*;
+use vr_physics::Metrics;
 use vr_physics::check::pictures::*;
 use vr_splat::{Buffers, Splatter};
 
@@ -38,8 +39,10 @@ fn pictures_come_to_the_canonical_pixel_of_the_filter() {
         let scene = scene.with_filter(filter);
         for (azimuth, elevation, fov) in VIEWS {
             let view = view(&scene, azimuth, elevation, fov, 16);
+            let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
             let errors = [0.5, 0.125].map(|slice_spacing| {
-                error(&Splatter { slice_spacing, termination: 1.0, ..Splatter::default() }, &scene, &view).rmse
+                let renderer = Splatter { slice_spacing, termination: 1.0, ..Splatter::default() };
+                Metrics::of(&truth, draw(&renderer, &scene, &view).frame.pixels()).rmse
             });
             println!("{name} {filter} {azimuth}: {:.1e}, {:.1e}", errors[0], errors[1]);
             // The square of a quarter is a sixteenth; where the field jumps a sheet is off by its thickness, and along an axis at some faces alone.

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use vr_core::*;
+use vr_physics::Metrics;
 use vr_physics::check::pictures::*;
 use vr_splat::{Buffers, Splatter};
 
@@ -47,8 +48,10 @@ fn values_in_image_sheets_come_to_the_canonical_pixel() {
         let scene = scene(13, shading, emission);
         for (azimuth, elevation, fov) in VIEWS {
             let view = view(&scene, azimuth, elevation, fov, 16);
+            let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
             let errors = [1.0, 0.25].map(|slice_spacing| {
-                error(&Splatter { slice_spacing, termination: 1.0, ..Splatter::default() }, &scene, &view).rmse
+                let renderer = Splatter { slice_spacing, termination: 1.0, ..Splatter::default() };
+                Metrics::of(&truth, draw(&renderer, &scene, &view).frame.pixels()).rmse
             });
             println!("{name} {azimuth}: {:.1e}, {:.1e}", errors[0], errors[1]);
             // The square of a quarter is a sixteenth, and a gradient that jumps at faces of cells leaves the order 1 and a part of the half.
@@ -76,7 +79,9 @@ fn voxels_classified_before_come_to_the_canonical_pixel_as_they_become_small() {
                     termination: 1.0,
                     ..Splatter::default()
                 };
-                [Buffers::Image, Buffers::Axis].map(|buffers| error(&renderer(buffers), &scene, &view).rmse)
+                let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
+                [Buffers::Image, Buffers::Axis]
+                    .map(|buffers| Metrics::of(&truth, draw(&renderer(buffers), &scene, &view).frame.pixels()).rmse)
             });
             println!(
                 "{name} {azimuth}: {:.1e}, {:.1e}; own sheets {:.1e}, {:.1e}",

@@ -22,8 +22,10 @@ fn values_in_image_sheets_come_to_the_canonical_pixel() {
     for scene in [phantom_scene::<u8>("fog", 32, 1.0), phantom_scene::<f32>("hydrogen", 32, 1.0)] {
         for (azimuth, elevation, fov) in VIEWS {
             let view = view(&scene, azimuth, elevation, fov, 24);
+            let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
             let of = |slice_spacing| {
-                error(&Splatter { slice_spacing, termination: 1.0, ..Splatter::default() }, &scene, &view).rmse
+                let renderer = Splatter { slice_spacing, termination: 1.0, ..Splatter::default() };
+                Metrics::of(&truth, draw(&renderer, &scene, &view).frame.pixels()).rmse
             };
             let (coarse, fine) = (of(1.0), of(0.25));
             println!("{azimuth} {fov:?}: {coarse:.1e} {fine:.1e}");

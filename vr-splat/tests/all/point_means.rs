@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use vr_core::Classification;
 use vr_core::*;
+use vr_physics::Metrics;
 use vr_physics::check::pictures::*;
 use vr_physics::check::strategies::tame_mixed_point_scene;
 use vr_physics::check::{Effort, agrees_with_its_model, agrees_with_reference_on};
@@ -71,8 +72,10 @@ fn thin_sheets_come_to_the_reference() {
     for (mixing, colored) in [(PointMixing::Mean, false), (PointMixing::Mean, true), (PointMixing::Sum, true)] {
         for (name, scene) in scenes(cloud(PointKernel::CubicSpline, mixing, colored)) {
             let view = view(&scene, 33.0, 21.0, None, 12);
+            let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
             let of = |slice_spacing| {
-                error(&Splatter { slice_spacing, termination: 1.0, ..Splatter::default() }, &scene, &view).rmse
+                let renderer = Splatter { slice_spacing, termination: 1.0, ..Splatter::default() };
+                Metrics::of(&truth, draw(&renderer, &scene, &view).frame.pixels()).rmse
             };
             let errors = [1.0, 0.25, 0.0625].map(of);
             println!("{mixing}, {colored}, {name}: {errors:?}");

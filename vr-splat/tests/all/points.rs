@@ -5,6 +5,7 @@ use glam::DVec3;
 use vr_core::Classification;
 use vr_core::phantom::{point_transfer_function, points_by_name};
 use vr_core::*;
+use vr_physics::Metrics;
 use vr_physics::check::pictures::{self, *};
 use vr_splat::{Buffers, Splatter};
 
@@ -53,8 +54,10 @@ fn thin_sheets_of_values_come_to_the_reference() {
     for scene in [cloud("plummer", 300), cloud("turbulence", 300)] {
         for (azimuth, elevation, fov) in [(33.0, 21.0, None), (-60.0, 50.0, Some(35.0))] {
             let view = view(&scene, azimuth, elevation, fov, 16);
+            let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
             let of = |slice_spacing| {
-                error(&Splatter { slice_spacing, termination: 1.0, ..Splatter::default() }, &scene, &view).rmse
+                let renderer = Splatter { slice_spacing, termination: 1.0, ..Splatter::default() };
+                Metrics::of(&truth, draw(&renderer, &scene, &view).frame.pixels()).rmse
             };
             let errors = [1.0, 0.5, 0.25, 0.125].map(of);
             println!("{azimuth}: {errors:.1?}");

@@ -6,6 +6,7 @@ use crate::point_settings::renderers;
 use glam::DVec3;
 use vr_core::Classification;
 use vr_core::*;
+use vr_physics::Metrics;
 use vr_physics::check::pictures::*;
 use vr_splat::Splatter;
 
@@ -62,8 +63,10 @@ fn thin_sheets_come_to_the_reference() {
         for (name, scene) in looks(&three(kernel)) {
             for (azimuth, elevation, fov) in VIEWS {
                 let view = view(&scene, azimuth, elevation, fov, 12);
+                let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
                 let of = |slice_spacing| {
-                    error(&Splatter { slice_spacing, termination: 1.0, ..Splatter::default() }, &scene, &view).rmse
+                    let renderer = Splatter { slice_spacing, termination: 1.0, ..Splatter::default() };
+                    Metrics::of(&truth, draw(&renderer, &scene, &view).frame.pixels()).rmse
                 };
                 let errors = [0.4, 0.1, 0.025].map(of);
                 println!("{kernel}, {name}, {azimuth}: {errors:?}");
@@ -118,7 +121,11 @@ fn a_first_hit_is_shaded_by_the_sum_of_gradients() {
     let scene = Scene { compositing: Compositing::First { threshold: 0.5 }, ..shaded };
     for (azimuth, elevation, fov) in VIEWS {
         let view = view(&scene, azimuth, elevation, fov, 24);
-        let of = |slice_spacing| error(&Splatter { slice_spacing, ..Splatter::default() }, &scene, &view).rmse;
+        let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
+        let of = |slice_spacing| {
+            let renderer = Splatter { slice_spacing, ..Splatter::default() };
+            Metrics::of(&truth, draw(&renderer, &scene, &view).frame.pixels()).rmse
+        };
         let errors = [0.4, 0.1, 0.025].map(of);
         println!("{azimuth}: {errors:?}");
         assert!(errors[2] < 2e-3 && errors[2] < errors[0] / 8.0, "{errors:?}");

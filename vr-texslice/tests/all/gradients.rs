@@ -6,6 +6,7 @@ use crate::every_setting;
 use std::sync::Arc;
 
 use vr_core::*;
+use vr_physics::Metrics;
 use vr_physics::check::pictures::*;
 use vr_texslice::{Blend, Format, Proxy, TextureSlicer};
 
@@ -120,11 +121,13 @@ fn errors_fall_with_the_distance() {
         // The derivative of the interpolant jumps from cell to cell, and what jumps has order 1.
         let analytic = scene.gradient_shading().is_some_and(|s| s.gradient == GradientMethod::Analytic);
         let least = if analytic { 2.5 } else { 10.0 };
+        let (azimuth, elevation, fov) = VIEWS[look % 2];
+        let view = view(scene, azimuth, elevation, fov, 24);
+        let truth = solve(scene, &view, &Model::Canonical, 1e-7);
         for format in [Format::Scalar, Format::PreIntegrated] {
-            let (azimuth, elevation, fov) = VIEWS[look % 2];
-            let view = view(scene, azimuth, elevation, fov, 24);
             let [coarse, fine] = [1.0, 0.25].map(|slice_spacing| {
-                error(&TextureSlicer { format, slice_spacing, ..TextureSlicer::brute_force() }, scene, &view).rmse
+                let renderer = TextureSlicer { format, slice_spacing, ..TextureSlicer::brute_force() };
+                Metrics::of(&truth, draw(&renderer, scene, &view).frame.pixels()).rmse
             });
             println!("{look} {format:?}: {coarse:.2e} at a voxel, {fine:.2e} at a quarter: {:.1} times", coarse / fine);
             assert!(fine < coarse / least, "{look} {format:?}: {coarse} {fine}");
@@ -136,12 +139,20 @@ fn errors_fall_with_the_distance() {
 fn textures_of_light_come_near_the_truth() {
     let fog = phantom_scene::<f32>("fog", 32, 1.0);
     for (look, scene) in looks(&fog).iter().enumerate() {
-        for format in [Format::Rgba, Format::Paletted] {
-            let renderer = TextureSlicer { format, slice_spacing: 0.25, ..TextureSlicer::brute_force() };
-            if refuses(&renderer, scene) {
-                continue;
-            }
-            let m = error(&renderer, scene, &view(scene, 33.0, 21.0, None, 24));
+        let view = view(scene, 33.0, 21.0, None, 24);
+        let renderers = [Format::Rgba, Format::Paletted].map(|format| TextureSlicer {
+            format,
+            slice_spacing: 0.25,
+            ..TextureSlicer::brute_force()
+        });
+        let drawn: Vec<_> = renderers.iter().filter(|renderer| !refuses(renderer, scene)).collect();
+        if drawn.is_empty() {
+            continue;
+        }
+        let truth = solve(scene, &view, &Model::Canonical, 1e-7);
+        for renderer in drawn {
+            let format = renderer.format;
+            let m = Metrics::of(&truth, draw(renderer, scene, &view).frame.pixels());
             println!("{look} {format:?}: {m}");
             // Measured, and half as much again: what is classified before it is interpolated; 256 levels of the magnitude add nothing to it.
             assert!(m.rmse < LIGHT_ERROR, "{look} {format:?}: {m}");

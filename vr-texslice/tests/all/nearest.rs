@@ -1,6 +1,7 @@
 //! Textures whose nearest texel is taken: against the renderer's own model, and against the reference.
 
 use vr_core::*;
+use vr_physics::Metrics;
 use vr_physics::check::pictures::*;
 use vr_texslice::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
 
@@ -34,16 +35,17 @@ fn pictures_are_what_the_model_sums() {
 #[test]
 fn a_stack_along_its_axis_is_exact() {
     let scene = blocks();
-    for format in [Format::Scalar, Format::Rgba, Format::LuminanceAlpha, Format::Paletted] {
-        let renderer =
-            TextureSlicer { format, proxy: Proxy::Stacks, slice_spacing: 1.0, ..TextureSlicer::brute_force() };
-        for (azimuth, elevation) in [(0.0, 0.0), (90.0, 0.0), (0.0, 90.0)] {
-            // No pixel's ray goes along the faces of voxels.
-            let mut view = view(&scene, azimuth, elevation, None, 29);
-            let [right, up] = [view.camera.frame().unwrap().x_axis, view.camera.frame().unwrap().y_axis];
-            let aside = 0.0137 * right + 0.0071 * up;
-            (view.camera.eye, view.camera.target) = (view.camera.eye + aside, view.camera.target + aside);
-            let m = error(&renderer, &scene, &view);
+    for (azimuth, elevation) in [(0.0, 0.0), (90.0, 0.0), (0.0, 90.0)] {
+        // No pixel's ray goes along the faces of voxels.
+        let mut view = view(&scene, azimuth, elevation, None, 29);
+        let [right, up] = [view.camera.frame().unwrap().x_axis, view.camera.frame().unwrap().y_axis];
+        let aside = 0.0137 * right + 0.0071 * up;
+        (view.camera.eye, view.camera.target) = (view.camera.eye + aside, view.camera.target + aside);
+        let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
+        for format in [Format::Scalar, Format::Rgba, Format::LuminanceAlpha, Format::Paletted] {
+            let renderer =
+                TextureSlicer { format, proxy: Proxy::Stacks, slice_spacing: 1.0, ..TextureSlicer::brute_force() };
+            let m = Metrics::of(&truth, draw(&renderer, &scene, &view).frame.pixels());
             assert!(m.max < 2e-6, "{format:?} {azimuth}: {m}");
         }
     }
@@ -53,9 +55,11 @@ fn a_stack_along_its_axis_is_exact() {
 fn errors_fall_with_the_distance_of_slices() {
     let scene = blocks();
     let view = view(&scene, 33.0, 21.0, None, 24);
+    let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
     for format in [Format::Scalar, Format::Rgba] {
         let of = |slice_spacing| {
-            error(&TextureSlicer { format, slice_spacing, ..TextureSlicer::brute_force() }, &scene, &view).rmse
+            let renderer = TextureSlicer { format, slice_spacing, ..TextureSlicer::brute_force() };
+            Metrics::of(&truth, draw(&renderer, &scene, &view).frame.pixels()).rmse
         };
         let errors = [1.0, 0.25, 0.0625].map(of);
         println!("{format:?}: {errors:?}");
@@ -89,11 +93,13 @@ fn bricks_and_whole_slices_are_the_same_picture() {
 #[test]
 fn picked_values_are_those_of_voxels() {
     let scene = blocks();
-    for format in [Format::Scalar, Format::Compressed] {
-        for compositing in [Compositing::Maximum, Compositing::Minimum, Compositing::First { threshold: 0.45 }] {
-            let scene = Scene { compositing, ..scene.clone() };
+    for compositing in [Compositing::Maximum, Compositing::Minimum, Compositing::First { threshold: 0.45 }] {
+        let scene = Scene { compositing, ..scene.clone() };
+        let view = view(&scene, 33.0, 21.0, None, 16);
+        let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
+        for format in [Format::Scalar, Format::Compressed] {
             let renderer = TextureSlicer { format, slice_spacing: 0.02, ..TextureSlicer::default() };
-            let m = error(&renderer, &scene, &view(&scene, 33.0, 21.0, None, 16));
+            let m = Metrics::of(&truth, draw(&renderer, &scene, &view).frame.pixels());
             println!("{format:?}, {}: {m}", compositing.name());
             // Corners of voxels that a ray cuts between two samples; and half a level of a block.
             let allowed = if format == Format::Scalar { 1e-2 } else { 5e-2 };

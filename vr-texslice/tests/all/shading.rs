@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use vr_core::*;
+use vr_physics::Metrics;
 use vr_physics::check::pictures::*;
 use vr_texslice::{Blend, Format, Proxy, TextureSlicer};
 
@@ -75,10 +76,11 @@ fn shaded_segments_come_nearer_by_the_square() {
     let scene = shaded(phantom_scene::<f32>("fog", 32, 1.0));
     for (azimuth, elevation, fov) in VIEWS {
         let view = view(&scene, azimuth, elevation, fov, 24);
+        let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
         let [coarse, fine] = [1.0, 0.25].map(|slice_spacing| {
             let renderer =
                 TextureSlicer { format: Format::PreIntegrated, slice_spacing, ..TextureSlicer::brute_force() };
-            error(&renderer, &scene, &view).rmse
+            Metrics::of(&truth, draw(&renderer, &scene, &view).frame.pixels()).rmse
         });
         println!("{azimuth} {fov:?}: {coarse:.2e} at a voxel, {fine:.2e} at a quarter");
         // 11 to 16 times measured where rays are parallel; 5 in perspective, where some meet places at which the gradient is nearly 0 and turns fast.
@@ -90,10 +92,12 @@ fn shaded_segments_come_nearer_by_the_square() {
 #[test]
 fn voxels_are_seen_along_their_own_rays() {
     let scene = shaded(phantom_scene::<u8>("fog", 32, 1.0));
-    for format in [Format::Rgba, Format::Paletted] {
-        let renderer = TextureSlicer { format, slice_spacing: 0.25, ..TextureSlicer::brute_force() };
-        for (azimuth, elevation, fov) in VIEWS {
-            let m = error(&renderer, &scene, &view(&scene, azimuth, elevation, fov, 24));
+    for (azimuth, elevation, fov) in VIEWS {
+        let view = view(&scene, azimuth, elevation, fov, 24);
+        let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
+        for format in [Format::Rgba, Format::Paletted] {
+            let renderer = TextureSlicer { format, slice_spacing: 0.25, ..TextureSlicer::brute_force() };
+            let m = Metrics::of(&truth, draw(&renderer, &scene, &view).frame.pixels());
             println!("{format:?} {azimuth} {fov:?}: {m}");
             // Classification before interpolation leaves an RMSE of 8.2·10⁻³ to 8.9·10⁻³, in perspective no more than along parallel rays.
             assert!(m.rmse < 1.1e-2, "{format:?} {azimuth} {fov:?}: {m}");
@@ -105,10 +109,12 @@ fn voxels_are_seen_along_their_own_rays() {
 fn gradients_beside_holes_are_the_truth_s() {
     let scene = with_holes(shaded(phantom_scene::<f32>("fog", 32, 1.0)));
     // Measured at the worst of these views, and half as much again: holes are known to a slab, of segments to two.
-    for (format, bound) in [(Format::Scalar, 5.5e-4), (Format::PreIntegrated, 1.6e-3), (Format::Rgba, 1.4e-2)] {
-        let renderer = TextureSlicer { format, slice_spacing: 0.1, ..TextureSlicer::brute_force() };
-        for (azimuth, elevation, fov) in VIEWS {
-            let m = error(&renderer, &scene, &view(&scene, azimuth, elevation, fov, 24));
+    for (azimuth, elevation, fov) in VIEWS {
+        let view = view(&scene, azimuth, elevation, fov, 24);
+        let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
+        for (format, bound) in [(Format::Scalar, 5.5e-4), (Format::PreIntegrated, 1.6e-3), (Format::Rgba, 1.4e-2)] {
+            let renderer = TextureSlicer { format, slice_spacing: 0.1, ..TextureSlicer::brute_force() };
+            let m = Metrics::of(&truth, draw(&renderer, &scene, &view).frame.pixels());
             println!("{format:?} {azimuth} {fov:?}: {m}");
             assert!(m.rmse < bound, "{format:?} {azimuth} {fov:?}: {m}");
         }
