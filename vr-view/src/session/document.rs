@@ -153,20 +153,30 @@ impl Document {
         if has_qualities(&self.file.render.options) {
             qualities.extend([Quality::Draft, Quality::Normal, Quality::Fine]);
         }
-        if self.prover(PROVEN).is_some() {
+        if self.prover(&self.proven_section(), PROVEN).is_some() {
             qualities.push(Quality::Proven);
         }
         qualities
     }
 
-    /// Largest error of a pixel that is asked for, if the renderer bounds that of this scene.
-    pub fn max_error(&self) -> Option<f64> {
-        self.file.render.max_error.filter(|&error| self.prover(error).is_some())
+    /// The own section with a bound in place of a quality: the two do not go together.
+    fn proven_section(&self) -> RenderSection {
+        let mut section = RenderSection { max_error: Some(PROVEN), ..self.file.render.clone() };
+        let usual = self.renderers.named(self.renderer_name()).and_then(|r| r.option_values().0.remove(QUALITY));
+        if let (Some(usual), Some(quality)) = (usual, section.options.0.get_mut(QUALITY)) {
+            *quality = usual;
+        }
+        section
     }
 
-    /// The renderer of the picture at rest under a bound; `None` if it bounds no error of this scene.
-    fn prover(&self, max_error: f64) -> Option<Box<dyn Renderer>> {
-        let renderer = self.renderer(&self.file.render, None).ok()?.with_max_error(max_error)?.ok()?;
+    /// Largest error of a pixel that is asked for, if the renderer bounds that of this scene.
+    pub fn max_error(&self) -> Option<f64> {
+        self.file.render.max_error.filter(|&error| self.prover(&self.file.render, error).is_some())
+    }
+
+    /// The renderer of a section under a bound; `None` if it bounds no error of this scene.
+    fn prover(&self, section: &RenderSection, max_error: f64) -> Option<Box<dyn Renderer>> {
+        let renderer = self.renderer(section, None).ok()?.with_max_error(max_error)?.ok()?;
         renderer.supports(&self.scene, Some(&self.view)).ok().map(|()| renderer)
     }
 
@@ -178,7 +188,7 @@ impl Document {
         let draft = self.renderer(&self.file.render, Quality::Draft.option());
         let sharp = self.renderer(&self.file.render, None)?;
         let max_error = self.max_error();
-        let proven = max_error.and_then(|error| Some((self.prover(error)?, error)));
+        let proven = max_error.and_then(|error| Some((self.prover(&self.file.render, error)?, error)));
         // Steps that are chosen by hand leave nothing to a quality.
         let draft = match draft {
             Ok(draft) if draft.supports(&self.scene, Some(&self.view)).is_ok() => draft,
@@ -327,10 +337,10 @@ impl Document {
                     return Err(EditError::NoQuality { quality: word, renderer });
                 }
                 None => {
-                    if self.prover(PROVEN).is_none() {
+                    file.render = self.proven_section();
+                    if self.prover(&file.render, PROVEN).is_none() {
                         return Err(EditError::NoProof(self.renderer_name().to_owned()));
                     }
-                    file.render.max_error = Some(PROVEN);
                 }
             },
             // Every other edit is done by the caller.

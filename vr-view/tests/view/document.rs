@@ -86,6 +86,10 @@ fn qualities_are_those_of_the_renderer() {
     assert_eq!(d.qualities(), [Quality::Draft, Quality::Normal, Quality::Fine, Quality::Proven]);
     d.apply(&Edit::Quality { quality: Quality::Fine }).unwrap();
     assert_eq!((d.quality(), d.file().render.max_error), (Some(Quality::Fine), None));
+    assert!(d.qualities().contains(&Quality::Proven));
+    d.apply(&Edit::Quality { quality: Quality::Proven }).unwrap();
+    assert_eq!((d.quality(), d.file().render.max_error), (Some(Quality::Proven), Some(4e-3)));
+    d.apply(&Edit::Undo).unwrap();
     // Shear-warp promises nothing, and has no settings by error.
     d.apply(&Edit::Renderer { name: "shearwarp".to_owned() }).unwrap();
     assert_eq!((d.quality(), d.qualities(), d.file().render.max_error), (None, Vec::new(), None));
