@@ -46,7 +46,8 @@ pub struct Document {
     file: SceneFile,
     scene: Scene,
     view: View,
-    first_camera: Camera,
+    /// Camera and shape of the picture that the scene was opened with.
+    first: (Camera, f64),
     visible: OnceLock<Vec<DVec3>>,
     /// Counts changes of the scene.
     scene_revision: u64,
@@ -78,7 +79,7 @@ impl Document {
             file.render.renderer = Some((renderers.usual)(&scene).to_owned());
         }
         let document = Self {
-            first_camera: view.camera,
+            first: (view.camera, view.aspect()),
             scene: with_surfaces(&subject, scene),
             subject,
             renderers,
@@ -227,7 +228,11 @@ impl Document {
                     return Err(EditError::Size(*size));
                 }
                 let changed = self.view.size != *size;
+                let is_first = self.view.camera == self.first_camera();
                 self.view.size = *size;
+                if is_first {
+                    self.view.camera = self.first_camera();
+                }
                 Ok(if changed { Change::View } else { Change::Nothing })
             }
             _ => match self.moved(edit)? {
@@ -250,10 +255,10 @@ impl Document {
             Edit::Zoom { factor, at } => navigation::zoom(camera, *factor, *at)?,
             Edit::Side { side } => self.from_side(*side),
             Edit::Fit => fit(camera, self.visible(), self.view.aspect()),
-            Edit::ResetCamera => self.first_camera,
+            Edit::ResetCamera => self.first_camera(),
             Edit::Camera { camera } => {
                 let stated = *camera;
-                let camera = stated.camera(|_| self.first_camera)?;
+                let camera = stated.camera(|_| self.first.0)?;
                 if CameraSection::from(&camera) != stated {
                     let allowed = "must state projection, eye, target, up, and height or fov";
                     return Err(vr_core::ParameterError::new("camera", "an incomplete one", allowed).into());
@@ -271,6 +276,13 @@ impl Document {
             Edit::FieldOfView { degrees } => navigation::project(camera, Some(*degrees))?,
             _ => return Ok(None),
         }))
+    }
+
+    /// The camera of the scene as it was opened; in a narrower picture from further away, so that all is seen that was to be seen.
+    fn first_camera(&self) -> Camera {
+        let (camera, aspect) = self.first;
+        let narrower = (self.view.aspect() / aspect).min(1.0);
+        navigation::zoom(&camera, narrower, [0.0; 2]).unwrap_or(camera)
     }
 
     /// The camera that sees all that is visible from a side.

@@ -12,12 +12,12 @@ use serde_json::json;
 use chromium::Browser;
 use common::{Running, document, drawn_anew};
 
-const SIZE: [u32; 2] = [1000, 640];
+const SIZE: [u32; 2] = [700, 420];
 
 /// A browser with the page of a phantom, proven; `None` where there is no browser.
 fn opened(name: &str) -> Option<(Running, Browser)> {
     let mut browser = Browser::start()?;
-    let running = Running::new(document(name, 32, [64, 64]), true);
+    let running = Running::new(document(name, 24, [64, 64]), true);
     browser.open(&format!("http://{}/{}/", running.address, running.token), SIZE, "dark");
     rest(&mut browser);
     Some((running, browser))
@@ -68,22 +68,20 @@ fn pixels_on_the_screen_are_those_of_the_saved_scene() {
     let Some((running, mut browser)) = opened("blobs") else { return };
     assert_truth(&mut browser);
     let status = browser.value("document.getElementById('status').innerText").as_str().unwrap().to_owned();
-    assert!(
-        status.contains("raycast") && status.contains("every pixel within 0.004: proven") && status.contains("ms"),
-        "{status}"
-    );
+    assert!(status.contains("raycast") && status.contains("every pixel within 0.004: proven"), "{status}");
     // Turn, move, zoom.
-    let up = "JSON.stringify(window.vr.status.head.camera)";
+    // Nine digits: where a camera only moves, its axes are found anew, to rounding.
+    let up = "JSON.stringify(window.vr.status.head.camera, (_, x) => typeof x === 'number' ? Number(x.toFixed(9)) : x)";
     let mut last = browser.value(up);
-    let middle = [300.0, 330.0];
+    let middle = [170.0, 200.0];
     for act in 0..4 {
         let before = picture(&mut browser);
         match act {
-            0 => browser.drag(middle, [420.0, 380.0], 12, "left"),
-            1 => browser.drag(middle, [340.0, 300.0], 6, "right"),
+            0 => browser.drag(middle, [250.0, 230.0], 12, "left"),
+            1 => browser.drag(middle, [200.0, 180.0], 6, "right"),
             2 => browser.mouse(
                 "mouseWheel",
-                [350.0, 300.0],
+                [190.0, 190.0],
                 json!({"deltaX": 0, "deltaY": -240, "button": "none", "buttons": 0}),
             ),
             _ => {
@@ -202,7 +200,7 @@ fn it_fits_narrow_and_wide_screens_in_both_themes() {
     for size in [[360, 740], [1280, 800], [3840, 2160]] {
         for scheme in ["dark", "light"] {
             browser.open(&address, size, scheme);
-            browser.wait("window.vr?.picture.head?.full_size[0] === window.vr?.picture.size[0] && window.vr.curve.points.length > 0");
+            browser.wait("window.vr?.curve.points.length > 0 && window.vr.picture.head?.full_size[0] === window.vr.picture.size[0]");
             // Nothing is wider than the screen, and everything that can be pressed can be seen or scrolled to.
             let wide = "[...document.querySelectorAll('header, footer, #stage, #panel')].filter((e) => !e.inert).map((e) => e.getBoundingClientRect())\
                         .every((b) => b.left >= 0 && b.right <= innerWidth + 0.5 && b.top >= 0 && b.bottom <= innerHeight + 0.5)";

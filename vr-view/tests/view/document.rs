@@ -73,6 +73,23 @@ fn what_is_refused_changes_nothing() {
 }
 
 #[test]
+fn narrow_pictures_show_what_was_to_be_seen() {
+    let mut d = document("fog", 8, [32, 32]);
+    let height = |d: &vr_view::session::Document| d.view().camera.projection.height();
+    let start = height(&d);
+    for (size, factor) in [([100, 50], 1.0), ([50, 100], 2.0), ([64, 64], 1.0)] {
+        d.apply(&Edit::Size { size }).unwrap();
+        assert!((height(&d) / start - factor).abs() < 1e-12, "{size:?}");
+    }
+    // A camera that was moved stays as it is, until it is reset.
+    d.apply(&Edit::Orbit { right: 1.0, up: 0.0 }).unwrap();
+    d.apply(&Edit::Size { size: [50, 100] }).unwrap();
+    assert!((height(&d) / start - 1.0).abs() < 1e-12);
+    d.apply(&Edit::ResetCamera).unwrap();
+    assert!((height(&d) / start - 2.0).abs() < 1e-12);
+}
+
+#[test]
 fn a_name_that_is_nearly_right_is_named() {
     let mut d = document("fog", 8, [32, 32]);
     let refused = d.apply(&Edit::Preset { name: "viridus".to_owned() }).map(|_| ()).unwrap_err().to_string();
