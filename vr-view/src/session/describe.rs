@@ -121,8 +121,7 @@ impl State {
     pub(super) fn of(document: &Document, by: Option<(ClientId, u64)>) -> Self {
         let file = document.file();
         let [can_undo, can_redo] = document.history();
-        let named =
-            |r: &Box<dyn vr_core::StudiedRenderer>| RendererName { name: r.name(), refusal: refusal(document, &**r) };
+        let named = |r: &dyn vr_core::StudiedRenderer| RendererName { name: r.name(), refusal: refusal(document, r) };
         Self {
             by,
             transfer: file.transfer,
@@ -132,7 +131,7 @@ impl State {
             render: file.render,
             quality: document.quality(),
             qualities: document.qualities(),
-            renderers: document.renderers().all.iter().map(named).collect(),
+            renderers: document.renderers().all.iter().map(|r| named(&**r)).collect(),
             can_undo,
             can_redo,
         }

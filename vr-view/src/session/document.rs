@@ -253,7 +253,7 @@ impl Document {
             Edit::Roll { degrees } => navigation::roll(camera, *degrees)?,
             Edit::Pan { right, up } => navigation::pan(camera, *right, *up)?,
             Edit::Zoom { factor, at } => navigation::zoom(camera, *factor, *at)?,
-            Edit::Side { side } => self.from_side(*side),
+            Edit::Side { side } => self.camera_at(*side),
             Edit::Fit => fit(camera, self.visible(), self.view.aspect()),
             Edit::ResetCamera => self.first_camera(),
             Edit::Camera { camera } => {
@@ -286,7 +286,7 @@ impl Document {
     }
 
     /// The camera that sees all that is visible from a side.
-    fn from_side(&self, side: Side) -> Camera {
+    fn camera_at(&self, side: Side) -> Camera {
         let fov = match self.view.camera.projection {
             Projection::Perspective { fov } => Some(fov),
             Projection::Orthographic { .. } => None,
