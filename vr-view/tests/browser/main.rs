@@ -163,7 +163,8 @@ fn panels_crop_light_and_choose() {
     let click = |browser: &mut Browser, id: &str| {
         browser.value(&format!("document.getElementById({id:?}).click()"));
     };
-    let acts: [(&str, Box<dyn Fn(&mut Browser)>); 8] = [
+    type Act = Box<dyn Fn(&mut Browser)>;
+    let acts: [(&str, Act); 8] = [
         ("crop", Box::new(move |b| set(b, "[data-axis='0'] input:last-of-type", "0.5"))),
         ("plane", Box::new(move |b| click(b, "plane"))),
         ("depth", Box::new(move |b| set(b, "#plane-depth", "0.2"))),
