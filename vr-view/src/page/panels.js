@@ -8,6 +8,9 @@ const byId = (id) => document.getElementById(id);
 /** Names of qualities for people. */
 const QUALITIES = { draft: "draft", normal: "normal", fine: "fine", proven: "proven" };
 
+/** Sides of a patient that the sides of a volume are: what is to the right of the front is the patient's left. */
+const PATIENT = { front: "Anterior", back: "Posterior", left: "Right", right: "Left", top: "Superior", bottom: "Inferior" };
+
 export class Panels {
   constructor({ send, curve, size }) {
     Object.assign(this, { send, curve, size });
@@ -251,6 +254,9 @@ export class Panels {
       group("For such volumes", opened.presets.filter((preset) => preset.suits)),
       group("Others", opened.presets.filter((preset) => !preset.suits)),
     );
+    if (opened.patient) {
+      for (const button of document.querySelectorAll("[data-side]")) button.textContent = PATIENT[button.dataset.side];
+    }
     if (this.state) this.show(this.state);
   }
 

@@ -131,7 +131,7 @@ pub enum Side {
     Front,
     /// −z; a patient's back.
     Back,
-    /// −x in the picture's left; a patient's right.
+    /// −x; a patient's right.
     Left,
     /// +x; a patient's left.
     Right,
