@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use vr_core::Counts;
+use vr_study::error_bound::is_kept;
 
 use crate::failure::Failure;
 use crate::number;
@@ -29,8 +30,7 @@ impl ErrorBound {
     /// Judges a bound by the counts of the picture, of which each pixel is the mean of `supersampling`² rays.
     pub fn new(max_error: f64, counts: &Counts, supersampling: u32) -> Self {
         let Counts { rays, unbounded, max_unbounded, .. } = *counts;
-        // Options are stricter than the bound that was asked for; storing a pixel as f32 adds to its bound.
-        let kept = unbounded == 0 || max_unbounded + f64::from(f32::EPSILON) <= max_error;
+        let kept = is_kept(max_error, counts);
         let max_bound = (unbounded > 0 && max_unbounded.is_finite()).then_some(max_unbounded);
         Self {
             max_error,

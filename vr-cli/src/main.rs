@@ -9,6 +9,8 @@ mod args;
 mod bench;
 mod bench_report;
 mod blank;
+#[cfg(feature = "view")]
+mod browser;
 mod camera_flags;
 mod canvas;
 mod compare;
@@ -24,7 +26,7 @@ mod failure;
 mod heap;
 mod heat_map;
 mod help;
-mod histogram;
+mod histogram_drawing;
 mod info;
 mod inputs;
 mod interrupt;
@@ -62,6 +64,8 @@ mod tf_plane;
 mod threads;
 mod transfer_box;
 mod verify;
+#[cfg(feature = "view")]
+mod view;
 mod volume_setup;
 mod wrapping;
 
@@ -107,6 +111,8 @@ fn run() -> Result<(), Failure> {
         Command::Tf(args) => tf::run(args, console),
         Command::Ray(args) => ray::run(args, console, &control),
         Command::Physics(args) => physics::run(args, console, &control),
+        #[cfg(feature = "view")]
+        Command::View(args) => view::run(args, console, &control),
         Command::Help(args) => help::run(args, Cli::command()),
     });
     let done = done.unwrap_or_else(|stopped| Err(Failure::failed(stopped)));

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 use vr_core::Control;
-use vr_io::{FileName, SceneFile, VolumeSource};
+use vr_io::{FileName, SceneFile};
 
 use crate::args::SceneFileArgs;
 use crate::console::Console;
@@ -67,21 +67,8 @@ fn text(file: &SceneFile, title: &str, stated: &StatedRenderer) -> Result<String
 }
 
 /// Returns a scene file of a set-up with its paths as they are to be read from a folder.
-pub fn read_from(mut file: SceneFile, folder: &Path, setup: &Setup) -> SceneFile {
-    let from_there = |path: &Path| path_from(folder, &setup.path_of(path));
-    if let Some(VolumeSource::File(source)) = &mut file.volume.source {
-        source.path = from_there(&source.path);
-    }
-    if let Some(labels) = &mut file.labels {
-        labels.file = from_there(&labels.file);
-    }
-    if let Some(map) = file.scattering.as_mut().and_then(|scattering| scattering.environment_map.as_mut()) {
-        *map = from_there(map);
-    }
-    if let Some(mesh) = &mut file.mesh {
-        mesh.path = from_there(&mesh.path);
-    }
-    file
+pub fn read_from(file: SceneFile, folder: &Path, setup: &Setup) -> SceneFile {
+    file.with_paths(|path| path_from(folder, &setup.path_of(path)))
 }
 
 /// Returns a path as a file in `folder` must hold it: relative to it where it leads further down, absolute otherwise.

@@ -7,8 +7,8 @@ use clap::{Args, FromArgMatches};
 use vr_core::resample::{Resampled, Resampling, Resolution};
 use vr_core::transfer::Preset;
 use vr_core::{
-    Control, Feature, OptionError, Options, ParameterError, RenderError, Renderer, Scene, Surfaces, View, Volume,
-    memory,
+    Control, Feature, OptionError, Options, ParameterError, RenderError, Renderer, Scene, Surfaces, TriangleMesh, View,
+    Volume, memory,
 };
 use vr_io::{
     FileError, FileErrorKind, FileInfo, FileSource, LabelsSection, LoadedScene, LoadedVolume, ResampleSection,
@@ -53,6 +53,9 @@ pub struct Setup {
     pub labels: Option<LabelsSection>,
     /// Header of the volume's file, if it comes from one.
     pub info: Option<FileInfo>,
+    /// The opaque surface among the volume, if there is one, and its colour.
+    #[cfg_attr(not(feature = "view"), expect(dead_code, reason = "vr view alone lights it anew"))]
+    pub mesh: Option<(Arc<TriangleMesh>, Option<[f64; 3]>)>,
     /// The renderer that the scene file names.
     renderer: Option<String>,
     options: Options,
@@ -180,10 +183,10 @@ impl Setup {
         if let (Some(section), Some(SceneMesh { mesh, .. })) = (&file.mesh, &mesh) {
             title += &format!(", with {} of {} triangles", section.path, mesh.triangles().len());
         }
-        // Surfaces reflect as the volume does; a mesh alone would be flat if nothing did.
-        let shading = scene.shading.as_deref().cloned().unwrap_or_default();
-        scene.surfaces = mesh.map(|SceneMesh { mesh, color }| {
-            Arc::new(Surface { color, shading, ..Surface::new(mesh) }) as Arc<dyn Surfaces>
+        let mesh = mesh.map(|SceneMesh { mesh, color }| (Arc::new(mesh), color));
+        scene.surfaces = mesh.clone().map(|(mesh, color)| {
+            let surface = Surface::in_scene(mesh, color, &scene);
+            Arc::new(surface) as Arc<dyn Surfaces>
         });
         let phantom = match &file.volume.source {
             Some(VolumeSource::Phantom { name, .. } | VolumeSource::PhantomPoints { name, .. }) => Some(name.clone()),
@@ -201,6 +204,7 @@ impl Setup {
             unlabelled,
             labels,
             info,
+            mesh,
             renderer,
             options,
             max_error,

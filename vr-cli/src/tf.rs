@@ -14,13 +14,13 @@ use vr_io::{
 use crate::args::TfArgs;
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::histogram::Histogram;
 use crate::inputs::{Inputs, apart};
 use crate::joint_histogram::JointHistogram;
 use crate::overrides::names_file;
 use crate::scene_setup::{Origin, title};
 use crate::table::Table;
 use crate::{number, output_file, tf_picture, tf_plane};
+use vr_look::Histogram;
 
 /// Bins of the histogram behind a drawing.
 const BINS: usize = 256;

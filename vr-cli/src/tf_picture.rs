@@ -3,8 +3,8 @@
 use vr_core::{Frame, TransferFunction};
 
 use crate::canvas::Canvas;
-use crate::histogram::Histogram;
 use crate::{number, text};
+use vr_look::Histogram;
 
 /// Size of the picture.
 const SIZE: [u32; 2] = [800, 420];

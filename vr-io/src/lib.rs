@@ -295,6 +295,7 @@ mod record;
 mod regular_file;
 mod scalar;
 mod scene;
+mod screen_bytes;
 mod slc;
 mod slices;
 mod source;
@@ -329,7 +330,7 @@ pub use mesh::{LoadedMesh, is_mesh, read_mesh};
 pub use nifti::Transform;
 pub use picture::write;
 pub use picture_read::{MAX_PIXELS, Picture, PictureError, SampleKind, StoredPixels, read_picture};
-pub use png::{Encode, PngDepth, PngOptions, encode_png, write_png};
+pub use png::{Encode, PngDepth, PngOptions, encode_png, encode_rgba_png, write_png};
 pub use points::{LoadedPoints, PointColumns, PointOptions, read_points};
 pub use raw::RawDescription;
 pub use read::{FileInfo, Loaded, ReadOptions, outline, read};
@@ -348,6 +349,7 @@ pub use scene::{
     USUAL_FOV, VolumeSection, VolumeSource, commented_scene, load_scene, load_volume, outline_scene, parse_scene,
     preset_by_name, read_scene, resolve_scene, resolve_scene_around, scene_keys, scene_text, write_scene,
 };
+pub use screen_bytes::screen_rgba;
 pub use transfer::{
     ColorMap, TRANSFER_EXTENSIONS, TransferFile, TransferSource, parse_color_maps, parse_transfer, read_color_maps,
     read_transfer, write_transfer,

@@ -74,6 +74,16 @@ pub fn encode_png(frame: &Frame, options: &PngOptions) -> Vec<u8> {
     encode_samples(frame.size(), &samples(frame, options), &[]).expect("memory takes every picture that has pixels")
 }
 
+/// A picture that is bytes for a screen already, red, green, blue and opacity of each pixel, as the bytes of a PNG.
+///
+/// # Panics
+/// Panics if there are no pixels, or not four bytes for each.
+pub fn encode_rgba_png(size: [u32; 2], rgba: &[u8]) -> Vec<u8> {
+    assert_eq!(rgba.len() as u64, 4 * u64::from(size[0]) * u64::from(size[1]), "four bytes a pixel");
+    let samples = Samples { alpha: true, numbers: Numbers::Eight(rgba.to_vec()) };
+    encode_samples(size, &samples, &[]).expect("memory takes every picture that has pixels")
+}
+
 /// Channels of a PNG, pixel by pixel.
 pub(crate) struct Samples {
     /// True if α is the fourth channel.

@@ -40,6 +40,7 @@
 mod exposure;
 mod fit;
 mod fit_together;
+mod histogram;
 mod kind;
 mod lattice;
 mod number;
@@ -52,6 +53,7 @@ mod survey;
 
 pub use fit::fit;
 pub use fit_together::{centre_of, fit_together, pivot_of};
+pub use histogram::Histogram;
 pub use kind::Kind;
 pub use palette::label_color;
 pub use preset::FittedPreset;

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use vr_core::{
-    Control, Layer, Light, ParameterError, RayShading, RenderError, Shading, SurfaceTracer, Surfaces, TriangleMesh,
-    View,
+    Control, Layer, Light, ParameterError, RayShading, RenderError, Scene, Shading, SurfaceTracer, Surfaces,
+    TriangleMesh, View,
 };
 
 use crate::rasterize::rasterize;
@@ -30,6 +30,12 @@ impl Surface {
     /// A surface in the mesh's own colours, shaded by the default coefficients.
     pub fn new(mesh: TriangleMesh) -> Self {
         Self { mesh: Arc::new(mesh), color: None, shading: Shading::default() }
+    }
+
+    /// A surface of a scene, in one colour or the mesh's own: it reflects as the scene's volume does, and by the default coefficients where that
+    /// is not shaded, since a mesh that nothing lights would be flat.
+    pub fn in_scene(mesh: Arc<TriangleMesh>, color: Option<[f64; 3]>, scene: &Scene) -> Self {
+        Self { mesh, color, shading: scene.shading.as_deref().cloned().unwrap_or_default() }
     }
 
     /// Checks the numbers.

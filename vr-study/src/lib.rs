@@ -45,6 +45,7 @@ pub mod choose;
 mod clock_reference;
 pub mod convergence;
 mod error;
+pub mod error_bound;
 pub mod error_colors;
 pub mod features;
 pub mod figures;

@@ -20,6 +20,8 @@ mod show;
 mod surface;
 mod tf;
 mod value;
+#[cfg(feature = "view")]
+mod view;
 mod volume;
 
 use std::path::{Path, PathBuf};
@@ -46,6 +48,8 @@ pub use scene::{CameraArgs, CompositingArgs, Fit, ImageArgs, MeshArgs, SceneArgs
 pub use scene_file::SceneFileArgs;
 pub use show::{Protocol, ShowArgs};
 pub use tf::{PresetsArgs, TfArgs};
+#[cfg(feature = "view")]
+pub use view::ViewArgs;
 pub use volume::VolumeArgs;
 
 use crate::failure::Failure;
@@ -88,6 +92,9 @@ pub struct GlobalArgs {
 pub enum Command {
     /// Render a volume, and measure the picture's error
     Render(Box<RenderArgs>),
+    /// Look at a volume in the browser: turn it, edit its transfer function, and see the error shrink
+    #[cfg(feature = "view")]
+    View(Box<ViewArgs>),
     /// Render one scene with every renderer, and compare time and error
     Compare(Box<CompareArgs>),
     /// Time a renderer: frames of a turning camera, after one preparation

@@ -5,10 +5,10 @@ use vr_core::CellMesh;
 use vr_core::cells::{CellValues, NO_CELL};
 use vr_io::LoadedVolume;
 
-use crate::histogram::Histogram;
 use crate::info::facts::Facts;
 use crate::info::lines::COLUMNS;
 use crate::number;
+use vr_look::Histogram;
 
 /// Description of a mesh of cells.
 #[derive(Serialize)]

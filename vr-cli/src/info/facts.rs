@@ -6,9 +6,9 @@ use vr_core::transfer::Preset;
 use vr_io::{FileInfo, LoadedVolume};
 use vr_look::Survey;
 
-use crate::histogram::Histogram;
 use crate::info::lines::Lines;
 use crate::number;
+use vr_look::Histogram;
 
 /// Title, file, box, look and presets of a volume.
 #[derive(Serialize)]

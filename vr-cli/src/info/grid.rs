@@ -11,12 +11,12 @@ use vr_look::{Look, Survey};
 use crate::args::InfoArgs;
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::histogram::Histogram;
 use crate::info::label_table::LabelTable;
 use crate::info::lines::{COLUMNS, Lines};
 use crate::info::slices;
 use crate::inputs::Inputs;
 use crate::number;
+use vr_look::Histogram;
 
 /// Number of bins of the histogram in a picture.
 const FINE: usize = 256;

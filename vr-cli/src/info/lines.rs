@@ -2,7 +2,9 @@
 
 use std::fmt::Display;
 
-use crate::histogram::Histogram;
+use vr_look::Histogram;
+
+use crate::histogram_drawing;
 
 /// Number of columns of a drawn histogram.
 pub const COLUMNS: usize = 72;
@@ -34,7 +36,10 @@ impl Lines {
 
     /// Draws a histogram whose columns are as high as the logarithm of `height`.
     pub fn histogram(&mut self, histogram: &Histogram, height: &str) {
-        self.0 += &format!("\nhistogram (height: logarithm of the {height})\n{}", histogram.draw(ROWS));
+        self.0 += &format!(
+            "\nhistogram (height: logarithm of the {height})\n{}",
+            histogram_drawing::drawing(histogram, ROWS)
+        );
     }
 
     /// Returns all lines.

@@ -5,10 +5,10 @@ use vr_core::RectilinearGrid;
 use vr_core::resample::Integral;
 use vr_io::LoadedVolume;
 
-use crate::histogram::Histogram;
 use crate::info::facts::Facts;
 use crate::info::lines::COLUMNS;
 use crate::number;
+use vr_look::Histogram;
 
 /// Description of a rectilinear grid.
 #[derive(Serialize)]

@@ -5,7 +5,7 @@ use vr_core::{Frame, GridVolume, Voxel, with_grid};
 
 use crate::canvas::Canvas;
 use crate::error_scale::{GAP, INK, PAPER};
-use crate::histogram::Histogram;
+use vr_look::Histogram;
 
 /// Pixels along the longest side of a slice.
 const SIDE: u32 = 320;

@@ -70,6 +70,24 @@ impl SceneFile {
         self
     }
 
+    /// The same scene with other paths in place of those of the files that are read for it.
+    #[must_use]
+    pub fn with_paths(mut self, change: impl Fn(&Path) -> FileName) -> Self {
+        if let Some(VolumeSource::File(source)) = &mut self.volume.source {
+            source.path = change(&source.path);
+        }
+        if let Some(labels) = &mut self.labels {
+            labels.file = change(&labels.file);
+        }
+        if let Some(map) = self.scattering.as_mut().and_then(|scattering| scattering.environment_map.as_mut()) {
+            *map = change(map);
+        }
+        if let Some(mesh) = &mut self.mesh {
+            mesh.path = change(&mesh.path);
+        }
+        self
+    }
+
     /// The same scene without folders: files by their names alone, and a DICOM series, as `info` tells it, without even one.
     #[must_use]
     pub fn without_folders(mut self, info: Option<&FileInfo>) -> Self {

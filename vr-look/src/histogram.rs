@@ -1,9 +1,9 @@
-//! Histogram of the values, and a drawing of it for a terminal.
+//! Histogram of the values.
 
 use vr_core::parallel::collect;
 use vr_core::{GridVolume, Voxel, with_grid};
 
-use crate::number;
+use crate::survey::Survey;
 
 /// Histogram of equal bins from the smallest to the largest finite value of a volume.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,26 +33,21 @@ impl Histogram {
         const WHOLE: f64 = 1e6;
         Self { range: (range[0], range[1]), counts: shares.iter().map(|share| (share * WHOLE).ceil() as u64).collect() }
     }
+}
 
-    /// Draws the bins as columns, as high as the logarithm of their counts, above the ends of the range.
-    pub fn draw(&self, rows: usize) -> String {
-        /// Characters of columns, each an eighth of a row higher than the one before.
-        const BLOCKS: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
-        let height = |count: u64| (1.0 + count as f64).ln();
-        let max_height = self.counts.iter().copied().map(height).fold(0.0, f64::max);
-        let eighths = |count: u64| {
-            let exact = height(count) / max_height * (8 * rows) as f64;
-            // Whatever occurs at all is seen.
-            (exact.round() as usize).max(usize::from(count > 0))
-        };
-        let mut text = String::new();
-        for row in (0..rows).rev() {
-            let line: String = self.counts.iter().map(|&c| BLOCKS[eighths(c).saturating_sub(8 * row).min(8)]).collect();
-            text += &format!("  {}\n", line.trim_end());
+impl Survey {
+    /// Histogram of what was sampled, for volumes that are no grids; of NaN and of values outside of the range nothing is counted.
+    ///
+    /// # Panics
+    /// Panics if there are no bins.
+    pub fn histogram(&self, range: (f64, f64), bins: usize) -> Histogram {
+        let mut counts = vec![0; bins];
+        let width = range.1 - range.0;
+        for &value in self.lattice.values.iter().filter(|v| (range.0..=range.1).contains(*v)) {
+            let place = if width > 0.0 { (value - range.0) / width } else { 0.0 };
+            counts[((place * bins as f64) as usize).min(bins - 1)] += 1;
         }
-        let (low, high) = (number::value(self.range.0), number::value(self.range.1));
-        let gap = self.counts.len().saturating_sub(low.chars().count());
-        text + &format!("  {low}{high:>gap$}\n")
+        Histogram { range, counts }
     }
 }
 
@@ -90,10 +85,13 @@ mod tests {
     }
 
     #[test]
-    fn draws_what_occurs_once_and_what_occurs_often() {
-        let h = Histogram { range: (0.0, 255.0), counts: vec![1_000_000, 0, 1] };
-        let drawing = h.draw(2);
-        let lines: Vec<&str> = drawing.lines().collect();
-        assert_eq!(lines, ["  █", "  █ ▁", "  0255"]);
+    fn samples_of_a_survey_lie_where_the_voxels_do() {
+        let blobs = vr_core::phantom::by_name("blobs").unwrap();
+        let volume = vr_core::Volume::from(vr_core::phantom::sample::<f32>(&*blobs, [24; 3]).unwrap());
+        let of_voxels = Histogram::of(volume.grid().unwrap(), 16).unwrap();
+        // So small a grid is sampled at every voxel.
+        assert_eq!(Survey::of(&volume).histogram(of_voxels.range, 16).counts, of_voxels.counts);
+        let part = Survey::of(&volume).histogram((of_voxels.range.0, of_voxels.range.0), 3);
+        assert!(part.counts[0] > 0 && part.counts[1..] == [0, 0]);
     }
 }

@@ -1,0 +1,64 @@
+//! `vr view`.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use serde::Serialize;
+use vr_core::Control;
+use vr_io::{LoadedVolume, SceneFile};
+use vr_view::server::Server;
+use vr_view::session::{Document, PROVEN, RendererList, Subject};
+
+use crate::args::ViewArgs;
+use crate::browser;
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::renderers;
+use crate::scene_setup::{Configured, Setup};
+
+/// Opens a scene in the browser, and draws what the page asks for until it is closed, or Ctrl-C.
+///
+/// # Errors
+/// Any fault of the command line, the volume or the scene; an address that cannot be listened at.
+pub fn run(args: &ViewArgs, console: Console, control: &Control) -> Result<(), Failure> {
+    args.scene.image.check_opaque()?;
+    // An address that is taken is said before gigabytes are read.
+    let server = Server::bind(args.page.listen).map_err(Failure::failed)?;
+    let setup = Setup::for_renderer(&args.scene, &args.renderer, console)?;
+    setup.note_unused_annotations(console);
+    let subject = Arc::new(subject(&setup, args, console)?);
+    let list = Arc::new(RendererList { all: renderers::all(), usual: renderers::usual });
+    let document = Document::new(subject, list).map_err(Failure::failed)?;
+
+    #[derive(Serialize)]
+    struct Json<'a> {
+        volume: &'a str,
+        address: &'a str,
+    }
+    let address = server.url();
+    let text = format!("scene    {}\nopen     {address}\n         Ctrl-C ends it\n", setup.title);
+    console.result(&text, &Json { volume: &setup.title, address: &address })?;
+    if !args.page.no_open && !browser::open(&address) {
+        console.note("no browser was found to open: open the address in one");
+    }
+    server.run(document, control, args.page.stay).map_err(Failure::failed)
+}
+
+/// What is looked at: the scene with nothing left open. Where nothing else is asked for, the picture at rest is proven.
+fn subject(setup: &Setup, args: &ViewArgs, console: Console) -> Result<Subject, Failure> {
+    let Configured { mut stated, max_error, options, .. } = setup.renderer(&args.renderer, console)?;
+    if max_error.is_none() && options.0.is_empty() && args.renderer.quality.is_none() {
+        // A renderer that cannot promise leaves it without effect.
+        stated.max_error = Some(PROVEN);
+    }
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let file: SceneFile = setup.complete_file(&stated).with_paths(|path| absolute(&setup.path_of(path)).into());
+    let volume = setup.unlabelled.volume.clone();
+    Ok(Subject {
+        file,
+        volume: LoadedVolume { volume, info: setup.info.clone(), transfer: None, notes: Vec::new() },
+        mesh: setup.mesh.clone(),
+        title: setup.title.clone(),
+        notes: setup.notes.clone(),
+    })
+}

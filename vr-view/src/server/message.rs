@@ -1,0 +1,110 @@
+//! Messages between the server and a page.
+
+use axum::body::Bytes;
+use axum::extract::ws::Message;
+use serde::{Deserialize, Serialize};
+
+use crate::session::{ClientId, Edit, Head, Opened, Picture, PictureError, State};
+
+/// Most bytes of a message from a page: a transfer function of some thousand points.
+pub const MAX_MESSAGE: usize = 256 << 10;
+
+/// Message of a page: an edit, and its number.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Request {
+    /// Number of the edit; numbers of one page rise.
+    pub number: u64,
+    /// The edit.
+    pub edit: Edit,
+}
+
+/// Message in words to a page.
+#[derive(Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum Told<'a> {
+    /// The first one: the client's number.
+    Hello {
+        /// The client's number.
+        client: ClientId,
+        /// Version of the program: a page of another one is to load itself anew.
+        version: &'static str,
+    },
+    /// What was opened.
+    Opened {
+        /// All that edits do not change.
+        opened: &'a Opened,
+    },
+    /// The scene as it is now.
+    State {
+        /// The scene.
+        state: &'a State,
+    },
+    /// What is known of the error of a picture that was sent before.
+    Error {
+        /// Number of the picture.
+        picture: u64,
+        /// The error.
+        error: PictureError,
+    },
+    /// The reason why an edit was refused.
+    Refused {
+        /// Number of the edit; `None` where the message could not be read.
+        number: Option<u64>,
+        /// The reason.
+        reason: String,
+    },
+    /// The reason why there is no picture.
+    Problem {
+        /// The reason.
+        reason: &'a str,
+    },
+    /// The program ends.
+    Bye,
+}
+
+impl Told<'_> {
+    /// The message as text.
+    pub fn message(&self) -> Message {
+        Message::Text(serde_json::to_string(self).expect("words and numbers have texts").into())
+    }
+}
+
+/// Encoding of pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Coding {
+    /// Four bytes a pixel, as they are: on one machine, nothing is faster.
+    Rgba,
+    /// PNG, which loses nothing: over a network.
+    Png,
+}
+
+#[derive(Serialize)]
+struct FullHead<'a> {
+    #[serde(flatten)]
+    head: &'a Head,
+    /// Number of the client's last edit that the picture shows.
+    answers: u64,
+    coding: Coding,
+}
+
+/// A picture as a message to a client: the length of the head in four bytes, the smallest first; the head in JSON; the pixels.
+pub fn picture_message(picture: &Picture, client: ClientId, coding: Coding) -> Message {
+    let answers = picture.answers.get(&client).copied().unwrap_or(0);
+    let head = FullHead { head: &picture.head, answers, coding };
+    let head = serde_json::to_vec(&head).expect("words and numbers have texts");
+    let png;
+    let pixels = match coding {
+        Coding::Rgba => &picture.rgba,
+        Coding::Png => {
+            png = vr_io::encode_rgba_png(picture.head.size, &picture.rgba);
+            &png
+        }
+    };
+    let mut bytes = Vec::with_capacity(4 + head.len() + pixels.len());
+    bytes.extend((head.len() as u32).to_le_bytes());
+    bytes.extend(&head);
+    bytes.extend(pixels);
+    Message::Binary(Bytes::from(bytes))
+}

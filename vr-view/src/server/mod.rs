@@ -1,0 +1,261 @@
+//! Server: one session before browsers, on this machine unless told otherwise.
+//!
+//! Plain `GET` for the page and for files to be saved, a WebSocket for edits and pictures. Every address begins with a random [token](Token), and every
+//! request is [checked](guard::check).
+
+mod guard;
+mod hub;
+mod message;
+mod page;
+mod rate;
+mod socket;
+mod token;
+
+use std::future::Future;
+use std::io;
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::time::Duration;
+
+use axum::Router;
+use axum::extract::ws::WebSocketUpgrade;
+use axum::extract::{Path, Query, State};
+use axum::http::StatusCode;
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use serde::Deserialize;
+use tokio::sync::{OnceCell, Semaphore, watch};
+use vr_core::Control;
+
+use crate::session::{Document, Export, Opened, Session};
+use hub::Hub;
+
+pub use message::MAX_MESSAGE;
+pub use token::Token;
+
+/// Most pages that look at one session.
+pub const MAX_CLIENTS: usize = 8;
+
+/// Time after which a page that was closed is gone: one that is loaded anew comes back sooner.
+const GONE: Duration = Duration::from_secs(3);
+
+/// Time between looks at the outside's wish to end.
+const GLANCE: Duration = Duration::from_millis(50);
+
+/// Time that clients have to take a last word.
+const FAREWELL: Duration = Duration::from_millis(60);
+
+/// Error of the server.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ServerError {
+    /// An address that cannot be listened at.
+    #[error("--listen {address}: {source}")]
+    Listen {
+        /// The address.
+        address: SocketAddr,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// No random numbers for the token.
+    #[error("the system gives no random numbers: {0}")]
+    Token(getrandom::Error),
+    /// A failure of the system while serving.
+    #[error("server: {0}")]
+    System(#[from] io::Error),
+}
+
+/// Server that listens already, so that its address is known.
+pub struct Server {
+    listener: TcpListener,
+    address: SocketAddr,
+    token: Token,
+}
+
+impl Server {
+    /// Address that is listened at where none is named: this machine alone, any port that is free.
+    pub const USUAL: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 0);
+
+    /// Listens at an address; port 0 takes one that is free.
+    ///
+    /// # Errors
+    /// An address that is taken, or not this machine's.
+    pub fn bind(address: SocketAddr) -> Result<Self, ServerError> {
+        let failed = |source| ServerError::Listen { address, source };
+        let listener = TcpListener::bind(address).map_err(failed)?;
+        listener.set_nonblocking(true).map_err(failed)?;
+        let address = listener.local_addr().map_err(failed)?;
+        Ok(Self { listener, address, token: Token::random().map_err(ServerError::Token)? })
+    }
+
+    /// Address of the page, with the token.
+    pub fn url(&self) -> String {
+        format!("http://{}/{}/", self.address, self.token.text())
+    }
+
+    /// Serves a document until the control is cancelled or, unless it is to `stay`, the last page is closed. Pictures are drawn on the control's
+    /// threads.
+    ///
+    /// # Errors
+    /// A failure of the system.
+    pub fn run(self, document: Document, control: &Control, stay: bool) -> Result<(), ServerError> {
+        let hub = Arc::new(Hub::new());
+        let telling = Arc::clone(&hub);
+        let session = Arc::new(Session::start(document, control, move |output| telling.tell(output))?);
+        let (end, _) = watch::channel(false);
+        let service = Service {
+            session,
+            hub,
+            token: self.token,
+            address: self.address,
+            clients: Arc::default(),
+            next_client: Arc::new(AtomicU64::new(1)),
+            opened: Arc::default(),
+            exports: Arc::new(Semaphore::new(1)),
+            end: Arc::new(end),
+        };
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        let listener = self.listener;
+        let outcome = runtime.block_on(async {
+            let listener = tokio::net::TcpListener::from_std(listener)?;
+            let serving = axum::serve(listener, router(service.clone()));
+            tokio::select! {
+                outcome = serving.into_future() => outcome,
+                () = until_end(&service, control, stay) => {
+                    service.end.send_replace(true);
+                    tokio::time::sleep(FAREWELL).await;
+                    Ok(())
+                }
+            }
+        });
+        service.session.end();
+        runtime.shutdown_timeout(FAREWELL);
+        Ok(outcome?)
+    }
+}
+
+/// What requests share.
+#[derive(Clone)]
+struct Service {
+    session: Arc<Session>,
+    hub: Arc<Hub>,
+    token: Token,
+    address: SocketAddr,
+    clients: Arc<AtomicUsize>,
+    next_client: Arc<AtomicU64>,
+    opened: Arc<OnceCell<Opened>>,
+    /// One picture at a time is drawn to be saved.
+    exports: Arc<Semaphore>,
+    end: Arc<watch::Sender<bool>>,
+}
+
+impl Service {
+    /// What was opened: found out once, beside the first pictures.
+    async fn opened(&self) -> &Opened {
+        let make = || async {
+            let session = Arc::clone(&self.session);
+            tokio::task::spawn_blocking(move || session.opened()).await.expect("a description does not panic")
+        };
+        self.opened.get_or_init(make).await
+    }
+
+    /// Waits until the server ends.
+    fn ending(&self) -> impl Future<Output = ()> + use<> {
+        let mut end = self.end.subscribe();
+        async move {
+            let _ = end.wait_for(|&ends| ends).await;
+        }
+    }
+}
+
+/// Waits until the control is cancelled, or the last page is gone.
+async fn until_end(service: &Service, control: &Control, stay: bool) {
+    let (mut had_client, mut alone) = (false, Duration::ZERO);
+    while !control.is_cancelled() {
+        tokio::time::sleep(GLANCE).await;
+        if service.clients.load(Ordering::Relaxed) > 0 {
+            (had_client, alone) = (true, Duration::ZERO);
+        } else if had_client && !stay {
+            alone += GLANCE;
+            if alone >= GONE {
+                return;
+            }
+        }
+    }
+}
+
+fn router(service: Service) -> Router {
+    let guarded = axum::middleware::from_fn_with_state(service.clone(), guard::guard);
+    Router::new()
+        .route("/{token}/", get(page::index))
+        .route("/{token}/socket", get(connect))
+        .route("/{token}/save/{name}", get(save))
+        .route("/{token}/{name}", get(page::file))
+        .layer(guarded)
+        .with_state(service)
+}
+
+/// Place of a client among those that are there; free again when it is dropped.
+struct Seat(Arc<AtomicUsize>);
+
+impl Seat {
+    fn take(clients: &Arc<AtomicUsize>) -> Option<Self> {
+        let more = |n| (n < MAX_CLIENTS).then_some(n + 1);
+        clients.fetch_update(Ordering::Relaxed, Ordering::Relaxed, more).ok()?;
+        Some(Self(Arc::clone(clients)))
+    }
+}
+
+impl Drop for Seat {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+async fn connect(State(service): State<Service>, upgrade: WebSocketUpgrade) -> Response {
+    let Some(seat) = Seat::take(&service.clients) else {
+        return (StatusCode::SERVICE_UNAVAILABLE, "too many pages look at this volume\n").into_response();
+    };
+    let client = service.next_client.fetch_add(1, Ordering::Relaxed);
+    let upgrade = upgrade.max_message_size(MAX_MESSAGE).max_frame_size(MAX_MESSAGE);
+    upgrade.on_upgrade(move |socket| async move {
+        let _seat = seat;
+        socket::serve(socket, service, client).await;
+    })
+}
+
+/// Size of a picture to be saved.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SaveQuery {
+    width: Option<u32>,
+    height: Option<u32>,
+}
+
+async fn save(
+    State(service): State<Service>,
+    Path((_, name)): Path<(String, String)>,
+    Query(query): Query<SaveQuery>,
+) -> Response {
+    let size = query.width.zip(query.height).map(|(width, height)| [width, height]);
+    let export = match name.as_str() {
+        "scene.toml" => Export::Scene,
+        "picture.png" => Export::Png { size },
+        "picture.exr" => Export::Exr { size },
+        "transfer.json" => Export::Transfer,
+        _ => return (StatusCode::NOT_FOUND, "not found\n").into_response(),
+    };
+    let _turn = service.exports.acquire().await;
+    let session = Arc::clone(&service.session);
+    match tokio::task::spawn_blocking(move || session.export(export)).await {
+        Ok(Ok(bytes)) => {
+            let disposition = format!("attachment; filename=\"{}\"", export.file_name());
+            ([(CONTENT_TYPE, export.media_type().to_owned()), (CONTENT_DISPOSITION, disposition)], bytes)
+                .into_response()
+        }
+        Ok(Err(e)) => (StatusCode::UNPROCESSABLE_ENTITY, format!("{e}\n")).into_response(),
+        Err(_) => (StatusCode::INTERNAL_SERVER_ERROR, "drawing has failed\n").into_response(),
+    }
+}

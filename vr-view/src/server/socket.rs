@@ -1,0 +1,141 @@
+//! One client: its edits in, pictures and words out.
+
+use std::pin::pin;
+use std::time::{Duration, Instant};
+
+use axum::extract::ws::{CloseFrame, Message, WebSocket, close_code};
+use futures_util::stream::{SplitSink, SplitStream};
+use futures_util::{SinkExt, StreamExt};
+use tokio::sync::broadcast::error::RecvError;
+use tokio::sync::mpsc;
+use tokio::time::timeout;
+
+use super::Service;
+use super::message::{Coding, Request, Told, picture_message};
+use super::rate::Rate;
+use crate::session::{ClientId, Output};
+
+/// Time after which a client that takes nothing is given up.
+const PATIENCE: Duration = Duration::from_secs(20);
+/// Time that a last word has to arrive.
+const LAST_WORD: Duration = Duration::from_millis(200);
+/// Messages without sense after which a client is given up.
+const MAX_MALFORMED: u32 = 20;
+/// Answers that wait for a client at most.
+const WAITING: usize = 64;
+
+/// Serves a client until one side ends.
+pub async fn serve(socket: WebSocket, service: Service, client: ClientId) {
+    let (sink, stream) = socket.split();
+    let (answers, waiting) = mpsc::channel(WAITING);
+    // Whichever ends first ends the other. A connection that is cut while messages wait to be read loses the last word: they are read.
+    let mut receiving = pin!(receive(stream, &service, client, answers));
+    tokio::select! {
+        () = &mut receiving => {}
+        has_closed = send(sink, &service, client, waiting) => if has_closed.is_some() {
+            let _ = timeout(LAST_WORD, receiving).await;
+        }
+    }
+    service.session.forget(client);
+}
+
+/// Reads edits until the client goes, or has to.
+async fn receive(
+    mut stream: SplitStream<WebSocket>,
+    service: &Service,
+    client: ClientId,
+    answers: mpsc::Sender<Message>,
+) {
+    let (mut rate, mut malformed) = (Rate::new(Instant::now()), 0);
+    let close = |reason: &'static str| {
+        let frame = CloseFrame { code: close_code::POLICY, reason: reason.into() };
+        answers.send(Message::Close(Some(frame)))
+    };
+    while let Some(Ok(message)) = stream.next().await {
+        if !rate.allows(Instant::now()) {
+            let _ = close("too many messages").await;
+            break;
+        }
+        let refused = match message {
+            Message::Text(text) => match serde_json::from_str::<Request>(&text) {
+                Ok(Request { number, edit }) => match service.session.apply(client, number, &edit) {
+                    Ok(()) => continue,
+                    Err(e) => Told::Refused { number: Some(number), reason: e.to_string() },
+                },
+                Err(e) => {
+                    malformed += 1;
+                    Told::Refused { number: None, reason: format!("message: {e}") }
+                }
+            },
+            Message::Binary(_) => {
+                malformed += 1;
+                Told::Refused { number: None, reason: "message: found bytes; must be text".to_owned() }
+            }
+            Message::Ping(_) | Message::Pong(_) => continue,
+            Message::Close(_) => break,
+        };
+        if malformed > MAX_MALFORMED {
+            let _ = close("too many messages without sense").await;
+            break;
+        }
+        if answers.send(refused.message()).await.is_err() {
+            break;
+        }
+    }
+    let _ = timeout(LAST_WORD, async { while let Some(Ok(_)) = stream.next().await {} }).await;
+}
+
+/// Sends pictures and words until the client takes none (`None`), or the connection was closed for a reason. The newest picture is sent, and those that have become old while it was on its way are not.
+async fn send(
+    mut sink: SplitSink<WebSocket, Message>,
+    service: &Service,
+    client: ClientId,
+    mut answers: mpsc::Receiver<Message>,
+) -> Option<()> {
+    let (mut pictures, mut words) = service.hub.listen();
+    let coding = if service.address.ip().is_loopback() { Coding::Rgba } else { Coding::Png };
+    let state = service.session.state();
+    put(&mut sink, Told::Hello { client, version: env!("CARGO_PKG_VERSION") }.message()).await?;
+    put(&mut sink, Told::State { state: &state }.message()).await?;
+    pictures.mark_changed();
+    let mut opened = Box::pin(service.opened());
+    let mut has_opened = false;
+    loop {
+        let message = tokio::select! {
+            biased;
+            answer = answers.recv() => answer?,
+            opened = &mut opened, if !has_opened => {
+                has_opened = true;
+                Told::Opened { opened }.message()
+            }
+            word = words.recv() => match word {
+                Ok(Output::State(state)) => Told::State { state: &state }.message(),
+                Ok(Output::Error { picture, error }) => Told::Error { picture, error }.message(),
+                Ok(Output::Problem(reason)) => Told::Problem { reason: &reason }.message(),
+                Ok(Output::Picture(_)) => continue,
+                Err(RecvError::Lagged(_)) => Told::State { state: &service.session.state() }.message(),
+                Err(RecvError::Closed) => return None,
+            },
+            changed = pictures.changed() => {
+                changed.ok()?;
+                let picture = pictures.borrow_and_update().clone();
+                let Some(picture) = picture else { continue };
+                picture_message(&picture, client, coding)
+            }
+            () = service.ending() => {
+                put(&mut sink, Told::Bye.message()).await?;
+                return None;
+            }
+        };
+        let closes = matches!(message, Message::Close(_));
+        put(&mut sink, message).await?;
+        if closes {
+            return Some(());
+        }
+    }
+}
+
+/// Sends a message; `None` where the client is gone, or takes too long.
+async fn put(sink: &mut SplitSink<WebSocket, Message>, message: Message) -> Option<()> {
+    timeout(PATIENCE, sink.send(message)).await.ok()?.ok()
+}

@@ -1,0 +1,476 @@
+//! Document: the scene as it stands, and what edits do to it.
+
+use std::sync::{Arc, OnceLock};
+
+use glam::DVec3;
+use vr_core::{Camera, Options, Projection, RenderError, Renderer, Scene, Surfaces, View};
+use vr_io::{CameraSection, CompositingName, LoadedScene, RenderSection, SceneFile, TransferSection, USUAL_FOV};
+use vr_look::{Survey, fit};
+use vr_mesh::Surface;
+use vr_study::stated::StatedRenderer;
+
+use super::edit::{Edit, PROVEN, Quality, Side};
+use super::error::EditError;
+use super::navigation;
+use super::subject::{RendererList, Subject};
+
+/// Largest width or height of a picture.
+const MAX_SIDE: u32 = 8192;
+/// Most pixels of a picture: a screen of 4K, and a half more.
+pub const MAX_PIXELS: u32 = 3840 * 2160 * 3 / 2;
+
+/// Most changes that can be taken back.
+const MAX_HISTORY: usize = 200;
+
+/// Option of renderers that aim at an error by themselves.
+const QUALITY: &str = "quality";
+
+/// Part of a document that an edit has changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Change {
+    /// Nothing that is drawn.
+    Nothing,
+    /// Camera, size or clip.
+    View,
+    /// The renderer or its quality.
+    Renderer,
+    /// The scene itself.
+    Scene,
+}
+
+/// The scene, its view and its renderer, always such as can be written to a scene file.
+pub struct Document {
+    subject: Arc<Subject>,
+    renderers: Arc<RendererList>,
+    /// The scene file, complete but for camera and size, which [`Self::view`] has.
+    file: SceneFile,
+    scene: Scene,
+    view: View,
+    /// Camera and shape of the picture that the scene was opened with.
+    first: (Camera, f64),
+    visible: OnceLock<Vec<DVec3>>,
+    /// Counts changes of the scene.
+    scene_revision: u64,
+    undo: Vec<SceneFile>,
+    redo: Vec<SceneFile>,
+    gesture: Gesture,
+}
+
+/// Gesture that edits may belong to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Gesture {
+    /// None: each edit is undone by itself.
+    None,
+    /// One that has changed nothing yet.
+    Begun,
+    /// One whose former state is kept already.
+    Kept,
+}
+
+impl Document {
+    /// The document of a subject.
+    ///
+    /// # Errors
+    /// A scene that cannot be made, or that its renderer does not draw.
+    pub fn new(subject: Arc<Subject>, renderers: Arc<RendererList>) -> Result<Self, EditError> {
+        let mut file = subject.file.clone();
+        let LoadedScene { scene, view, .. } = resolved(&subject, &file)?;
+        if file.render.renderer.is_none() {
+            file.render.renderer = Some((renderers.usual)(&scene).to_owned());
+        }
+        let document = Self {
+            first: (view.camera, view.aspect()),
+            scene: with_surfaces(&subject, scene),
+            subject,
+            renderers,
+            file,
+            view,
+            visible: OnceLock::new(),
+            scene_revision: 0,
+            undo: Vec::new(),
+            redo: Vec::new(),
+            gesture: Gesture::None,
+        };
+        document.renderer(&document.file.render, None)?.supports(&document.scene, Some(&document.view))?;
+        Ok(document)
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The view of the picture at rest.
+    pub fn view(&self) -> &View {
+        &self.view
+    }
+
+    /// What was opened.
+    pub fn subject(&self) -> &Arc<Subject> {
+        &self.subject
+    }
+
+    /// The renderers.
+    pub fn renderers(&self) -> &RendererList {
+        &self.renderers
+    }
+
+    /// Number of changes of the scene so far.
+    pub fn scene_revision(&self) -> u64 {
+        self.scene_revision
+    }
+
+    /// True if there is a change to take back, and one to make again.
+    pub fn history(&self) -> [bool; 2] {
+        [!self.undo.is_empty(), !self.redo.is_empty()]
+    }
+
+    /// The scene file that `vr render --scene` draws the picture at rest from, bit for bit.
+    pub fn file(&self) -> SceneFile {
+        let mut file = self.file.clone();
+        file.camera = Some(CameraSection::from(&self.view.camera));
+        file.image.size = self.view.size;
+        file.render.max_error = self.max_error();
+        file
+    }
+
+    /// Name of the renderer.
+    pub fn renderer_name(&self) -> &str {
+        self.file.render.renderer.as_deref().unwrap_or_default()
+    }
+
+    /// Quality of the picture at rest, where it is one that has a name.
+    pub fn quality(&self) -> Option<Quality> {
+        if self.max_error() == Some(PROVEN) {
+            return Some(Quality::Proven);
+        }
+        let word = self.file.render.options.0.get(QUALITY)?.to_string();
+        [Quality::Draft, Quality::Normal, Quality::Fine].into_iter().find(|q| q.option() == Some(word.as_str()))
+    }
+
+    /// Qualities that can be chosen for this renderer and scene.
+    pub fn qualities(&self) -> Vec<Quality> {
+        let mut qualities = Vec::new();
+        if has_qualities(&self.file.render.options) {
+            qualities.extend([Quality::Draft, Quality::Normal, Quality::Fine]);
+        }
+        if self.prover(&self.proven_section(), PROVEN).is_some() {
+            qualities.push(Quality::Proven);
+        }
+        qualities
+    }
+
+    /// The own section with a bound in place of a quality: the two do not go together.
+    fn proven_section(&self) -> RenderSection {
+        let mut section = RenderSection { max_error: Some(PROVEN), ..self.file.render.clone() };
+        let usual = self.renderers.named(self.renderer_name()).and_then(|r| r.option_values().0.remove(QUALITY));
+        if let (Some(usual), Some(quality)) = (usual, section.options.0.get_mut(QUALITY)) {
+            *quality = usual;
+        }
+        section
+    }
+
+    /// Largest error of a pixel that is asked for, if the renderer bounds that of this scene.
+    pub fn max_error(&self) -> Option<f64> {
+        self.file.render.max_error.filter(|&error| self.prover(&self.file.render, error).is_some())
+    }
+
+    /// The renderer of a section under a bound; `None` if it bounds no error of this scene.
+    fn prover(&self, section: &RenderSection, max_error: f64) -> Option<Box<dyn Renderer>> {
+        let renderer = self.renderer(section, None).ok()?.with_max_error(max_error)?.ok()?;
+        renderer.supports(&self.scene, Some(&self.view)).ok().map(|()| renderer)
+    }
+
+    /// Renderers of the stages from the quickest to the best: while something moves, at full size, and proven.
+    ///
+    /// # Errors
+    /// An option that the renderer does not take.
+    pub fn stages(&self) -> Result<Stages, EditError> {
+        let draft = self.renderer(&self.file.render, Quality::Draft.option());
+        let sharp = self.renderer(&self.file.render, None)?;
+        let max_error = self.max_error();
+        let proven = max_error.and_then(|error| Some((self.prover(&self.file.render, error)?, error)));
+        // Steps that are chosen by hand leave nothing to a quality.
+        let draft = match draft {
+            Ok(draft) if draft.supports(&self.scene, Some(&self.view)).is_ok() => draft,
+            _ => self.renderer(&self.file.render, None)?,
+        };
+        Ok(Stages { draft, sharp, proven })
+    }
+
+    /// The renderer of a section without its bound, at a quality of its own where one is named.
+    fn renderer(&self, section: &RenderSection, quality: Option<&str>) -> Result<Box<dyn Renderer>, EditError> {
+        let name = section.renderer.as_deref().unwrap_or_default();
+        let renderer = self.renderers.named(name).ok_or_else(|| EditError::UnknownRenderer(name.to_owned()))?;
+        let mut options = section.options.clone();
+        if let Some(quality) = quality.filter(|_| has_qualities(&options)) {
+            options = options.with(QUALITY, quality);
+        }
+        Ok(renderer.with_options(&options)?)
+    }
+
+    /// Makes an edit; returns what it has changed.
+    ///
+    /// # Errors
+    /// The reason why nothing was changed.
+    pub fn apply(&mut self, edit: &Edit) -> Result<Change, EditError> {
+        match edit {
+            Edit::Gesture { begins } => {
+                self.gesture = if *begins { Gesture::Begun } else { Gesture::None };
+                Ok(Change::Nothing)
+            }
+            Edit::Undo => self.step_back(),
+            Edit::Redo => self.step_forward(),
+            Edit::Size { size } => {
+                let [w, h] = *size;
+                let fits = |n: u32| (1..=MAX_SIDE).contains(&n);
+                if !fits(w) || !fits(h) || w * h > MAX_PIXELS {
+                    return Err(EditError::Size(*size));
+                }
+                let changed = self.view.size != *size;
+                let is_first = self.view.camera == self.first_camera();
+                self.view.size = *size;
+                if is_first {
+                    self.view.camera = self.first_camera();
+                }
+                Ok(if changed { Change::View } else { Change::Nothing })
+            }
+            _ => match self.moved(edit)? {
+                Some(camera) => {
+                    self.view.camera = camera;
+                    Ok(Change::View)
+                }
+                None => self.change(edit),
+            },
+        }
+    }
+
+    /// The camera after a move; `None` for an edit that is none.
+    fn moved(&self, edit: &Edit) -> Result<Option<Camera>, EditError> {
+        let camera = &self.view.camera;
+        Ok(Some(match edit {
+            Edit::Orbit { right, up } => navigation::orbit(camera, *right, *up)?,
+            Edit::Roll { degrees } => navigation::roll(camera, *degrees)?,
+            Edit::Pan { right, up } => navigation::pan(camera, *right, *up)?,
+            Edit::Zoom { factor, at } => navigation::zoom(camera, *factor, *at)?,
+            Edit::Side { side } => self.camera_at(*side),
+            Edit::Fit => fit(camera, self.visible(), self.view.aspect()),
+            Edit::ResetCamera => self.first_camera(),
+            Edit::Camera { camera } => {
+                let stated = *camera;
+                let camera = stated.camera(|_| self.first.0)?;
+                if CameraSection::from(&camera) != stated {
+                    let allowed = "must state projection, eye, target, up, and height or fov";
+                    return Err(vr_core::ParameterError::new("camera", "an incomplete one", allowed).into());
+                }
+                camera
+            }
+            Edit::Projection { perspective } => {
+                let is_perspective = camera.projection.is_perspective();
+                match (perspective, is_perspective) {
+                    (true, false) => navigation::project(camera, Some(USUAL_FOV))?,
+                    (false, true) => navigation::project(camera, None)?,
+                    _ => *camera,
+                }
+            }
+            Edit::FieldOfView { degrees } => navigation::project(camera, Some(*degrees))?,
+            _ => return Ok(None),
+        }))
+    }
+
+    /// The camera of the scene as it was opened; in a narrower picture from further away, so that all is seen that was to be seen.
+    fn first_camera(&self) -> Camera {
+        let (camera, aspect) = self.first;
+        let narrower = (self.view.aspect() / aspect).min(1.0);
+        navigation::zoom(&camera, narrower, [0.0; 2]).unwrap_or(camera)
+    }
+
+    /// The camera that sees all that is visible from a side.
+    fn camera_at(&self, side: Side) -> Camera {
+        let fov = match self.view.camera.projection {
+            Projection::Perspective { fov } => Some(fov),
+            Projection::Orthographic { .. } => None,
+        };
+        let whole = vr_io::framing(self.bounds(), self.subject.volume.info.as_ref(), side.angles(), fov);
+        fit(&whole, self.visible(), self.view.aspect())
+    }
+
+    /// Corners of the world box around all that there is to see.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let (low, high) = self.scene.volume.bounds();
+        let (mesh_low, mesh_high) = self.subject.mesh.as_ref().map_or((low, high), |(mesh, _)| mesh.bounds());
+        (low.min(mesh_low), high.max(mesh_high))
+    }
+
+    /// World positions that enclose all that is visible.
+    fn visible(&self) -> &[DVec3] {
+        self.visible.get_or_init(|| {
+            let Scene { volume, transfer, compositing, .. } = &self.scene;
+            let mut points = Survey::of(volume).visible(transfer, *compositing, &self.view.clip);
+            points.extend(self.subject.mesh.iter().flat_map(|(mesh, _)| mesh.positions().iter().copied()));
+            points
+        })
+    }
+
+    /// Makes an edit of what can be undone.
+    fn change(&mut self, edit: &Edit) -> Result<Change, EditError> {
+        let mut file = self.file.clone();
+        match edit {
+            Edit::Transfer { points } => {
+                let transfer = file.transfer.get_or_insert_default();
+                if transfer.rows.is_some() {
+                    return Err(EditError::Rows);
+                }
+                transfer.points = Some(points.clone());
+            }
+            Edit::UnitDistance { length } => file.transfer.get_or_insert_default().unit_distance = Some(*length),
+            Edit::Preset { name } => {
+                let preset = Some(vr_io::preset_by_name(name)?.name().to_owned());
+                look_anew(&mut file, Some(TransferSection { preset, ..TransferSection::default() }));
+            }
+            Edit::AutomaticLook => look_anew(&mut file, None),
+            Edit::Shading { shading } => file.shading = Some(shading.clone()),
+            Edit::Crop { corners } => file.clip.crop = corners.map(|[low, high]| (low.into(), high.into())),
+            Edit::Planes { planes } => file.clip.planes.clone_from(planes),
+            Edit::Background { color } => file.image.background = *color,
+            Edit::Renderer { name } => {
+                let renderer = self.renderers.named(name).ok_or_else(|| EditError::UnknownRenderer(name.clone()))?;
+                file.render.renderer = Some(name.clone());
+                file.render.options = StatedRenderer::of(renderer, None).options;
+                file.render.max_error = Some(PROVEN);
+            }
+            Edit::Quality { quality } => match quality.option() {
+                Some(word) if has_qualities(&file.render.options) => {
+                    file.render.options.0.insert(QUALITY.to_owned(), word.into());
+                    file.render.max_error = None;
+                }
+                Some(word) => {
+                    let renderer = self.renderer_name().to_owned();
+                    return Err(EditError::NoQuality { quality: word, renderer });
+                }
+                None => {
+                    file.render = self.proven_section();
+                    if self.prover(&file.render, PROVEN).is_none() {
+                        return Err(EditError::NoProof(self.renderer_name().to_owned()));
+                    }
+                }
+            },
+            // Every other edit is done by the caller.
+            _ => return Ok(Change::Nothing),
+        }
+        let former = self.file.clone();
+        let change = self.take(file)?;
+        if change != Change::Nothing {
+            self.redo.clear();
+            if self.gesture != Gesture::Kept {
+                self.undo.push(former);
+                if self.undo.len() > MAX_HISTORY {
+                    self.undo.remove(0);
+                }
+            }
+            if self.gesture == Gesture::Begun {
+                self.gesture = Gesture::Kept;
+            }
+        }
+        Ok(change)
+    }
+
+    fn step_back(&mut self) -> Result<Change, EditError> {
+        let former = self.undo.pop().ok_or(EditError::NoHistory("undo"))?;
+        let now = self.file.clone();
+        let change = self.take(former)?;
+        self.redo.push(now);
+        Ok(change)
+    }
+
+    fn step_forward(&mut self) -> Result<Change, EditError> {
+        let later = self.redo.pop().ok_or(EditError::NoHistory("redo"))?;
+        let now = self.file.clone();
+        let change = self.take(later)?;
+        self.undo.push(now);
+        Ok(change)
+    }
+
+    /// Takes over a scene file in place of the own one, or none of it.
+    fn take(&mut self, mut file: SceneFile) -> Result<Change, EditError> {
+        let change = match () {
+            () if file == self.file => return Ok(Change::Nothing),
+            () if concerns_scene(&file, &self.file) => Change::Scene,
+            () if file.clip != self.file.clip => Change::View,
+            () => Change::Renderer,
+        };
+        let view = View { clip: file.clip.clone(), ..self.view.clone() };
+        view.validate()?;
+        let scene = if change == Change::Scene {
+            let loaded = resolved(&self.subject, &file)?;
+            let info = self.subject.volume.info.as_ref();
+            file = file.completed(&loaded.unlabelled, loaded.labels.clone(), &view, info);
+            with_surfaces(&self.subject, loaded.scene)
+        } else {
+            self.scene.clone()
+        };
+        self.renderer(&file.render, None)?.supports(&scene, Some(&view))?;
+        self.file = file;
+        self.view = view;
+        if change == Change::Scene {
+            self.scene = scene;
+            self.scene_revision += 1;
+        }
+        if change != Change::Renderer {
+            self.visible = OnceLock::new();
+        }
+        Ok(change)
+    }
+}
+
+/// Renderers of a picture's stages.
+pub struct Stages {
+    /// While something moves.
+    pub draft: Box<dyn Renderer>,
+    /// At rest.
+    pub sharp: Box<dyn Renderer>,
+    /// Under an error bound, and that bound.
+    pub proven: Option<(Box<dyn Renderer>, f64)>,
+}
+
+/// True if a renderer of these options has settings by error.
+fn has_qualities(options: &Options) -> bool {
+    options.0.contains_key(QUALITY)
+}
+
+/// Leaves transfer function, shading and operator to a section, or to the volume.
+fn look_anew(file: &mut SceneFile, transfer: Option<TransferSection>) {
+    file.transfer = transfer;
+    file.shading = None;
+    file.render.compositing = CompositingName::Over;
+    (file.render.threshold, file.render.level) = (None, None);
+}
+
+/// True if two files differ in more than the view and the renderer.
+fn concerns_scene(a: &SceneFile, b: &SceneFile) -> bool {
+    let operator = |file: &SceneFile| (file.render.compositing, file.render.threshold, file.render.level);
+    a.transfer != b.transfer
+        || a.shading != b.shading
+        || a.image.background != b.image.background
+        || operator(a) != operator(b)
+}
+
+/// The scene of a file around the subject's volume, without surfaces: these are there already.
+fn resolved(subject: &Subject, file: &SceneFile) -> Result<LoadedScene, EditError> {
+    let without_mesh = SceneFile { mesh: None, ..file.clone() };
+    Ok(vr_io::resolve_scene_around(&without_mesh, &subject.path(), subject.volume.clone())?)
+}
+
+fn with_surfaces(subject: &Subject, mut scene: Scene) -> Scene {
+    scene.surfaces = subject.mesh.clone().map(|(mesh, color)| {
+        let surface = Surface::in_scene(mesh, color, &scene);
+        Arc::new(surface) as Arc<dyn Surfaces>
+    });
+    scene
+}
+
+/// Says in words why the renderer of a name does not draw a document's scene; `None` if it does.
+pub fn refusal(document: &Document, renderer: &dyn Renderer) -> Option<String> {
+    let refused: Result<(), RenderError> = renderer.supports(document.scene(), Some(document.view()));
+    refused.err().map(|e| e.to_string())
+}

@@ -1,0 +1,478 @@
+//! The thread of a session that draws: from stage to stage, until an edit makes all of it stale.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use vr_core::{Control, Counts, Frame, Model, Prepared, RenderError, Renderer, Scene, View};
+use vr_physics::metrics::{Metrics, subgrid};
+use vr_study::error_bound::is_kept;
+use vr_study::reference::ReferencePixels;
+
+use super::describe::{Opened, State};
+use super::document::{Change, Document};
+use super::edit::Edit;
+use super::error::EditError;
+use super::export::{Export, ExportError};
+use super::pace::Pace;
+use super::picture::{ClientId, Head, Orientation, Picture, PictureError, Stage};
+use super::upsampled::rmse_upsampled;
+
+/// Time without an edit after which the picture is at rest.
+const REST: Duration = Duration::from_millis(100);
+
+/// Parts along each side of a picture at rest, of each of which a pixel is compared with the reference: enough for a figure within a second.
+const COMPARED: u32 = 24;
+
+/// What a session tells: to one client, or to all.
+#[derive(Clone)]
+pub enum Output {
+    /// A new picture.
+    Picture(Arc<Picture>),
+    /// The error of a picture that was given before.
+    Error {
+        /// Number of the picture.
+        picture: u64,
+        /// What is known now.
+        error: PictureError,
+    },
+    /// The scene after a change.
+    State(Arc<State>),
+    /// The reason why there is no picture.
+    Problem(String),
+}
+
+/// A scene that is looked at: edits in, pictures out.
+pub struct Session {
+    shared: Arc<Shared>,
+    control: Control,
+    thread: Option<JoinHandle<()>>,
+}
+
+struct Shared {
+    state: Mutex<Desk>,
+    wake: Condvar,
+    tell: Box<dyn Fn(Output) + Send + Sync>,
+}
+
+/// What the thread and the callers share.
+struct Desk {
+    document: Document,
+    /// Counts edits that change the picture.
+    revision: u64,
+    last_edit: Instant,
+    answers: BTreeMap<ClientId, u64>,
+    /// Cancel flag of the work that an edit makes stale.
+    stale: Option<Arc<AtomicBool>>,
+    /// Cancel flag of any work.
+    working: Option<Arc<AtomicBool>>,
+    ended: bool,
+}
+
+impl Shared {
+    fn desk(&self) -> MutexGuard<'_, Desk> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Session {
+    /// Begins to draw a document on a control's threads; `tell` is called from any thread, and must not block.
+    ///
+    /// # Errors
+    /// A thread that the system does not start.
+    pub fn start(
+        document: Document,
+        control: &Control,
+        tell: impl Fn(Output) + Send + Sync + 'static,
+    ) -> std::io::Result<Self> {
+        let desk = Desk {
+            document,
+            revision: 1,
+            last_edit: Instant::now(),
+            answers: BTreeMap::new(),
+            stale: None,
+            working: None,
+            ended: false,
+        };
+        let shared = Arc::new(Shared { state: Mutex::new(desk), wake: Condvar::new(), tell: Box::new(tell) });
+        let (theirs, pool) = (Arc::clone(&shared), control.clone());
+        let thread =
+            thread::Builder::new().name("session".to_owned()).spawn(move || Engine::new(theirs, pool).run())?;
+        Ok(Self { shared, control: control.clone(), thread: Some(thread) })
+    }
+
+    /// Makes an edit of a client, who numbers its edits; the next picture says that it shows it.
+    ///
+    /// # Errors
+    /// The reason why nothing was changed.
+    pub fn apply(&self, client: ClientId, number: u64, edit: &Edit) -> Result<(), EditError> {
+        let mut desk = self.shared.desk();
+        let outcome = desk.document.apply(edit);
+        desk.answers.insert(client, number);
+        let change = outcome?;
+        if change == Change::Nothing {
+            return Ok(());
+        }
+        desk.revision += 1;
+        desk.last_edit = Instant::now();
+        if let Some(flag) = &desk.stale {
+            flag.store(true, Ordering::Relaxed);
+        }
+        // A move is told by the next picture.
+        let tells =
+            change > Change::View || matches!(edit, Edit::Crop { .. } | Edit::Planes { .. } | Edit::Undo | Edit::Redo);
+        let state = tells.then(|| Arc::new(State::of(&desk.document, Some((client, number)))));
+        drop(desk);
+        self.shared.wake.notify_one();
+        if let Some(state) = state {
+            (self.shared.tell)(Output::State(state));
+        }
+        Ok(())
+    }
+
+    /// Forgets the edits of a client that has gone.
+    pub fn forget(&self, client: ClientId) {
+        self.shared.desk().answers.remove(&client);
+    }
+
+    /// The scene as it is.
+    pub fn state(&self) -> State {
+        State::of(&self.shared.desk().document, None)
+    }
+
+    /// What was opened: all that edits do not change.
+    pub fn opened(&self) -> Opened {
+        // Counting voxels takes a while, and needs no lock.
+        let (subject, scene) = {
+            let desk = self.shared.desk();
+            (Arc::clone(desk.document.subject()), desk.document.scene().clone())
+        };
+        self.control.run(|| Opened::of(&subject, &scene))
+    }
+
+    /// Makes a file of the scene as it is, or of its picture at rest.
+    ///
+    /// # Errors
+    /// A picture that cannot be drawn, or a format that does not hold it.
+    pub fn export(&self, export: Export) -> Result<Vec<u8>, ExportError> {
+        let (file, title, scene, view, stages) = {
+            let desk = self.shared.desk();
+            let d = &desk.document;
+            (d.file(), d.subject().title.clone(), d.scene().clone(), d.view().clone(), d.stages()?)
+        };
+        let renderer = stages.proven.map_or(stages.sharp, |(renderer, _)| renderer);
+        self.control.run(|| export.make(&file, &title, (&scene, &view), &*renderer))
+    }
+
+    /// Ends the work in progress, and the thread.
+    pub fn end(&self) {
+        let mut desk = self.shared.desk();
+        desk.ended = true;
+        if let Some(flag) = &desk.working {
+            flag.store(true, Ordering::Relaxed);
+        }
+        drop(desk);
+        self.shared.wake.notify_one();
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        self.end();
+        if let Some(thread) = self.thread.take() {
+            // A thread that has panicked has said so.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Work of the thread: one stage of one revision.
+struct Job {
+    revision: u64,
+    stage: Stage,
+    scene: Scene,
+    scene_revision: u64,
+    view: View,
+    renderer: Option<Box<dyn Renderer>>,
+    /// Size of the picture at rest.
+    full_size: [u32; 2],
+    /// Bound that is asked for.
+    bound: Option<f64>,
+    /// Identity of renderer and options.
+    setting: String,
+    answers: BTreeMap<ClientId, u64>,
+    control: Control,
+}
+
+/// A renderer that has seen the scene, kept from picture to picture.
+struct Slot {
+    setting: String,
+    scene_revision: u64,
+    prepared: Box<dyn Prepared>,
+}
+
+/// What is known of the last revision that was drawn at all.
+struct Progress {
+    revision: u64,
+    /// The stage that is done, and the size of its picture; `None` where drawing has failed, so that nothing further is tried.
+    stage: Option<(Stage, [u32; 2])>,
+}
+
+struct Engine {
+    shared: Arc<Shared>,
+    pool: Control,
+    pace: Pace,
+    slots: [Option<Slot>; 3],
+    progress: Option<Progress>,
+    pictures: u64,
+    /// The coarse pictures of a revision.
+    coarse: (u64, Vec<Frame>),
+    /// The last picture of all pixels, its revision and its number.
+    sharp: Option<(u64, u64, Frame)>,
+    /// Reference pixels of a revision.
+    reference: Option<(u64, ReferencePixels)>,
+    /// RMSE of the last coarse pictures against a sharp one, by the logarithm of the pixels that each of theirs covers.
+    coarse_rmse: BTreeMap<i32, f64>,
+    /// RMSE of the last sharp picture against the reference.
+    sharp_rmse: Option<f64>,
+}
+
+impl Engine {
+    fn new(shared: Arc<Shared>, pool: Control) -> Self {
+        Self {
+            shared,
+            pool,
+            pace: Pace::default(),
+            slots: [None, None, None],
+            progress: None,
+            pictures: 0,
+            coarse: (0, Vec::new()),
+            sharp: None,
+            reference: None,
+            coarse_rmse: BTreeMap::new(),
+            sharp_rmse: None,
+        }
+    }
+
+    fn run(mut self) {
+        while let Some(job) = self.next() {
+            // The job has a cancel flag of its own, and runs on the session's threads.
+            let (pool, engine, job) = (self.pool.clone(), &mut self, &job);
+            let outcome = pool.run(move || job.control.cancellable(|| engine.work(job)));
+            let outcome = outcome.unwrap_or_else(|stopped| Err(RenderError::from(stopped)));
+            let mut desk = self.shared.desk();
+            (desk.stale, desk.working) = (None, None);
+            let is_stale = desk.revision != job.revision || desk.ended;
+            drop(desk);
+            match outcome {
+                Ok(()) => {
+                    self.progress = Some(Progress { revision: job.revision, stage: Some((job.stage, job.view.size)) });
+                }
+                Err(RenderError::Cancelled) if is_stale => {}
+                Err(e) => {
+                    self.progress = Some(Progress { revision: job.revision, stage: None });
+                    (self.shared.tell)(Output::Problem(e.to_string()));
+                }
+            }
+        }
+    }
+
+    /// Waits for work; `None` at the end.
+    fn next(&mut self) -> Option<Job> {
+        let shared = Arc::clone(&self.shared);
+        let mut desk = shared.desk();
+        loop {
+            if desk.ended {
+                return None;
+            }
+            let drawn = self.progress.as_ref().filter(|progress| progress.revision == desk.revision);
+            let has_proof = desk.document.max_error().is_some();
+            let full = desk.document.view().size;
+            let next = match drawn.map(|progress| progress.stage) {
+                None => Some((Stage::Draft, self.pace.size(full))),
+                Some(None) => None,
+                Some(Some((Stage::Draft | Stage::Finer, size))) => {
+                    Some(finer(size, full).map_or((Stage::Sharp, full), |size| (Stage::Finer, size)))
+                }
+                Some(Some((Stage::Sharp, size))) => Some((Stage::Measured, size)),
+                Some(Some((Stage::Measured, size))) => has_proof.then_some((Stage::Proven, size)),
+                Some(Some((Stage::Proven, _))) => None,
+            };
+            let moved = desk.last_edit.elapsed();
+            match next {
+                Some(next) if next.0 == Stage::Draft || moved >= REST => match job(&mut desk, next) {
+                    Ok(job) => return Some(job),
+                    Err(e) => {
+                        self.progress = Some(Progress { revision: desk.revision, stage: None });
+                        (shared.tell)(Output::Problem(e.to_string()));
+                    }
+                },
+                Some(_) => {
+                    let waited = shared.wake.wait_timeout(desk, REST - moved);
+                    desk = waited.unwrap_or_else(PoisonError::into_inner).0;
+                }
+                None => desk = shared.wake.wait(desk).unwrap_or_else(PoisonError::into_inner),
+            }
+        }
+    }
+
+    fn work(&mut self, job: &Job) -> Result<(), RenderError> {
+        match &job.renderer {
+            Some(renderer) => self.draw(job, &**renderer, &job.control),
+            None => self.measure(job, &job.control),
+        }
+    }
+
+    /// Draws a picture, and tells of it.
+    fn draw(&mut self, job: &Job, renderer: &dyn Renderer, control: &Control) -> Result<(), RenderError> {
+        let slot = match job.stage {
+            Stage::Draft | Stage::Finer => 0,
+            Stage::Sharp | Stage::Measured => 1,
+            Stage::Proven => 2,
+        };
+        // Prepare what the last picture has not prepared. What is cancelled half-way is made anew.
+        let start = Instant::now();
+        let prepared = match self.slots[slot].take().filter(|slot| slot.setting == job.setting) {
+            Some(mut kept) => {
+                if kept.scene_revision != job.scene_revision {
+                    kept.prepared.update(&job.scene, control)?;
+                }
+                kept.prepared
+            }
+            None => renderer.prepare(&job.scene, control)?,
+        };
+        let prepare = start.elapsed();
+        let kept = Slot { setting: job.setting.clone(), scene_revision: job.scene_revision, prepared };
+        let prepared = &mut self.slots[slot].insert(kept).prepared;
+        // Draw.
+        let start = Instant::now();
+        let rendered = prepared.render(&job.view, control)?;
+        let time = start.elapsed();
+        let rgba = vr_io::screen_rgba(&rendered.frame, job.scene.background);
+        let [w, h] = job.view.size.map(u64::from);
+        let frame = rendered.frame;
+        // Tell of it.
+        let known = |rmse: Option<f64>| rmse.map_or(PictureError::Unknown, |rmse| PictureError::Estimated { rmse });
+        let (error, full_size) = match job.stage {
+            Stage::Draft | Stage::Finer => {
+                if job.stage == Stage::Draft {
+                    self.pace.measured(w * h, start.elapsed());
+                }
+                let rmse = self.coarse_rmse.get(&coarseness(job.view.size, job.full_size));
+                (known(rmse.map(|rmse| rmse.hypot(self.sharp_rmse.unwrap_or(0.0)))), job.full_size)
+            }
+            Stage::Proven => (self.proof(job, &frame, &rendered.stats.counts), job.view.size),
+            _ => (known(self.sharp_rmse), job.view.size),
+        };
+        self.pictures += 1;
+        let head = Head {
+            picture: self.pictures,
+            size: job.view.size,
+            full_size,
+            stage: job.stage,
+            renderer: renderer.name().to_owned(),
+            milliseconds: 1e3 * time.as_secs_f64(),
+            prepare_milliseconds: 1e3 * prepare.as_secs_f64(),
+            error,
+            camera: Orientation::of(&job.view),
+        };
+        (self.shared.tell)(Output::Picture(Arc::new(Picture { head, rgba, answers: job.answers.clone() })));
+        // Keep what the next stage compares with it.
+        match job.stage {
+            Stage::Draft => self.coarse = (job.revision, vec![frame]),
+            Stage::Finer if self.coarse.0 == job.revision => self.coarse.1.push(frame),
+            Stage::Sharp => {
+                for coarse in self.coarse.1.drain(..).filter(|_| self.coarse.0 == job.revision) {
+                    self.coarse_rmse.insert(coarseness(coarse.size(), job.full_size), rmse_upsampled(&coarse, &frame));
+                }
+                self.sharp = Some((job.revision, self.pictures, frame));
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The error of a picture that was drawn under a bound.
+    fn proof(&self, job: &Job, frame: &Frame, counts: &Counts) -> PictureError {
+        let reference = self.reference.as_ref().filter(|(revision, _)| *revision == job.revision);
+        let rmse = reference.map(|(_, reference)| reference.judge(frame).rmse);
+        let bound = job.bound.unwrap_or(f64::INFINITY);
+        if is_kept(bound, counts) {
+            return PictureError::Proven { bound, rmse };
+        }
+        let largest = Some(counts.max_unbounded).filter(|bound| bound.is_finite());
+        PictureError::Unproven { bound, rays: counts.unbounded, largest, rmse }
+    }
+
+    /// Compares the sharp picture with the reference.
+    fn measure(&mut self, job: &Job, control: &Control) -> Result<(), RenderError> {
+        let Some((revision, picture, frame)) = &self.sharp else { return Ok(()) };
+        if *revision != job.revision {
+            return Ok(());
+        }
+        let pixels = subgrid(COMPARED, job.view.size);
+        let reference = match ReferencePixels::solve((&job.scene, &job.view), &Model::Canonical, pixels, control) {
+            // No reference is no reason to draw nothing.
+            Err(RenderError::Unsupported(_)) => return Ok(()),
+            solved => solved?,
+        };
+        let Metrics { rmse, max, .. } = reference.judge(frame);
+        let [w, h] = job.view.size.map(u64::from);
+        let error = PictureError::Measured { rmse, max, pixels: reference.count(), of: w * h };
+        (self.shared.tell)(Output::Error { picture: *picture, error });
+        self.sharp_rmse = Some(rmse);
+        self.reference = Some((job.revision, reference));
+        Ok(())
+    }
+}
+
+/// Twice as many pixels on each side, where that is well below all of them: what comes in between costs a third of the whole picture at most.
+fn finer(size: [u32; 2], full: [u32; 2]) -> Option<[u32; 2]> {
+    let twice = size.map(|n| 2 * n);
+    (4 * twice[0] <= 3 * full[0] && 4 * twice[1] <= 3 * full[1]).then_some(twice)
+}
+
+/// Logarithm of the pixels of a picture at rest that a pixel of a coarse one covers, along a side.
+fn coarseness(size: [u32; 2], full: [u32; 2]) -> i32 {
+    f64::log2(f64::from(full[1]) / f64::from(size[1])).round() as i32
+}
+
+/// The work of a stage on a picture of a size.
+fn job(desk: &mut Desk, (stage, size): (Stage, [u32; 2])) -> Result<Job, EditError> {
+    let document = &desk.document;
+    let mut view = View { size, ..document.view().clone() };
+    let mut bound = None;
+    let renderer = match stage {
+        Stage::Draft | Stage::Finer => {
+            view.supersampling = 1;
+            Some(document.stages()?.draft)
+        }
+        Stage::Sharp => Some(document.stages()?.sharp),
+        Stage::Measured => None,
+        Stage::Proven => document.stages()?.proven.map(|(renderer, error)| {
+            bound = Some(error);
+            renderer
+        }),
+    };
+    let file = document.file();
+    let control = Control::default();
+    let cancel = control.cancel_flag();
+    // A draft is soon done, and is something to look at; what comes after it is stale with the next edit.
+    desk.stale = (stage > Stage::Draft).then(|| Arc::clone(&cancel));
+    desk.working = Some(cancel);
+    Ok(Job {
+        revision: desk.revision,
+        stage,
+        scene: document.scene().clone(),
+        scene_revision: document.scene_revision(),
+        view,
+        renderer,
+        full_size: document.view().size,
+        bound,
+        setting: format!("{} {:?} {bound:?}", document.renderer_name(), file.render.options),
+        answers: desk.answers.clone(),
+        control,
+    })
+}

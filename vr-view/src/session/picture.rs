@@ -1,0 +1,133 @@
+//! Pictures that a session gives, with what is known of them.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use serde::Serialize;
+use vr_core::View;
+
+use super::navigation::height_at_target;
+
+/// Number of a client of a session.
+pub type ClientId = u64;
+
+/// Picture as a screen shows it, with its time and its error.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// All that is said of it.
+    pub head: Head,
+    /// Red, green, blue and 255 of each pixel, row by row from the top: those of the PNG that `vr render` writes.
+    pub rgba: Vec<u8>,
+    /// Number of the last edit that it shows, of each client.
+    pub answers: BTreeMap<ClientId, u64>,
+}
+
+/// Description of a picture.
+#[derive(Clone, Debug, Serialize)]
+pub struct Head {
+    /// Number of the picture.
+    pub picture: u64,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Width and height of the picture at rest.
+    pub full_size: [u32; 2],
+    /// Stage of refinement.
+    pub stage: Stage,
+    /// Name of the renderer.
+    pub renderer: String,
+    /// Milliseconds from the call of `render` to its frame.
+    pub milliseconds: f64,
+    /// Milliseconds of what had to be prepared before, none of which the next view needs again.
+    pub prepare_milliseconds: f64,
+    /// Error of the picture.
+    pub error: PictureError,
+    /// Orientation and scale, for marks over the picture.
+    pub camera: Orientation,
+}
+
+/// Stage of a picture's refinement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Stage {
+    /// While something moves: as many pixels as thirty pictures a second leave.
+    Draft,
+    /// At rest, on the way to all pixels: twice as many along each side as the picture before.
+    Finer,
+    /// All pixels, by the renderer's own setting.
+    Sharp,
+    /// The same, after its error was measured.
+    Measured,
+    /// All pixels, each within an error bound.
+    Proven,
+}
+
+/// Error of a picture against the correct one, in units of max(1, its largest magnitude), and how it is known.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum PictureError {
+    /// Nothing is known yet.
+    Unknown,
+    /// The RMSE of the last picture of this stage that was compared with a better one; of another view, or another scene.
+    Estimated {
+        /// RMSE.
+        rmse: f64,
+    },
+    /// Compared with the reference.
+    Measured {
+        /// RMSE of the pixels compared.
+        rmse: f64,
+        /// Largest error of these.
+        max: f64,
+        /// Number of pixels compared.
+        pixels: usize,
+        /// Number of pixels of the picture.
+        of: u64,
+    },
+    /// Every pixel is proven to be within a bound.
+    Proven {
+        /// The bound of every pixel.
+        bound: f64,
+        /// RMSE of the pixels that were compared with the reference besides.
+        rmse: Option<f64>,
+    },
+    /// The bound that was asked for is not proven for every pixel.
+    Unproven {
+        /// The bound that was asked for.
+        bound: f64,
+        /// Rays for which it is not proven.
+        rays: u64,
+        /// Largest bound of any of these; `None` where one has none.
+        largest: Option<f64>,
+        /// RMSE of the pixels that were compared with the reference besides.
+        rmse: Option<f64>,
+    },
+}
+
+/// Orientation and scale of a view.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Orientation {
+    /// World vector to the right in the picture.
+    pub right: DVec3,
+    /// World vector up in the picture.
+    pub up: DVec3,
+    /// World vector along the line of sight.
+    pub forward: DVec3,
+    /// World height of the picture at the target.
+    pub height: f64,
+    /// Vertical angle in degrees; `None` for parallel rays.
+    pub fov: Option<f64>,
+}
+
+impl Orientation {
+    /// Orientation of a view whose camera is valid.
+    pub(super) fn of(view: &View) -> Self {
+        let camera = &view.camera;
+        let frame = camera.frame().unwrap_or_default();
+        let fov = match camera.projection {
+            vr_core::Projection::Perspective { fov } => Some(fov),
+            vr_core::Projection::Orthographic { .. } => None,
+        };
+        let (right, up, forward) = (frame.x_axis, frame.y_axis, frame.z_axis);
+        Self { right, up, forward, height: height_at_target(camera), fov }
+    }
+}

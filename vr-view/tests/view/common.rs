@@ -1,0 +1,183 @@
+//! Scenes, sessions and clients of the tests.
+
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use tungstenite::client::IntoClientRequest;
+use tungstenite::protocol::WebSocket;
+use vr_core::{Control, StudiedRenderer};
+use vr_io::{SceneFile, VolumeSource};
+use vr_raycast::RayCaster;
+use vr_shearwarp::ShearWarp;
+use vr_study::stated::StatedRenderer;
+use vr_view::server::{Server, ServerError};
+use vr_view::session::{Document, Output, PROVEN, Picture, RendererList, Session, Stage, Subject};
+
+/// Time after which a test gives up: many times what anything here takes.
+pub const PATIENCE: Duration = Duration::from_secs(60);
+
+pub fn renderers() -> RendererList {
+    let all: Vec<Box<dyn StudiedRenderer>> = vec![Box::new(RayCaster::default()), Box::new(ShearWarp::default())];
+    RendererList { all, usual: |_| "raycast" }
+}
+
+/// A phantom, drawn by the ray caster under a bound, its scene file complete.
+pub fn phantom(name: &str, size: usize, pixels: [u32; 2]) -> Subject {
+    let mut file = SceneFile::default();
+    file.volume.source = Some(VolumeSource::Phantom { name: name.to_owned(), size: Some(size) });
+    file.image.size = pixels;
+    let volume = vr_io::load_volume(&file.volume, Path::new("")).unwrap();
+    let loaded = vr_io::resolve_scene_around(&file, Path::new(""), volume.clone()).unwrap();
+    let stated = StatedRenderer::of(&RayCaster::default(), Some(PROVEN));
+    let file = file.completed(&loaded.unlabelled, None, &loaded.view, None);
+    let file = file.drawn_by(&stated.name, stated.options, stated.max_error);
+    Subject { file, volume, mesh: None, title: format!("phantom {name}"), notes: vec!["a note".to_owned()] }
+}
+
+pub fn document(name: &str, size: usize, pixels: [u32; 2]) -> Document {
+    Document::new(Arc::new(phantom(name, size, pixels)), Arc::new(renderers())).unwrap()
+}
+
+/// What `vr render --scene` draws from the text of a scene file: read anew, with nothing kept from any session.
+pub fn drawn_anew(text: &str) -> ([u32; 2], Vec<u8>) {
+    let file = vr_io::parse_scene(text, Path::new("saved")).unwrap();
+    let loaded = vr_io::resolve_scene(&file, Path::new("")).unwrap();
+    let name = loaded.renderer.unwrap();
+    let renderers = renderers().all;
+    let renderer = renderers.iter().find(|r| r.name() == name).unwrap().with_options(&loaded.options).unwrap();
+    let control = Control::default();
+    let prepared = match loaded.max_error {
+        Some(error) => renderer.with_max_error(error).unwrap().unwrap().prepare(&loaded.scene, &control),
+        None => renderer.prepare(&loaded.scene, &control),
+    };
+    let frame = prepared.unwrap().render(&loaded.view, &control).unwrap().frame;
+    (frame.size(), vr_io::screen_rgba(&frame, loaded.scene.background))
+}
+
+/// A session, and what it tells.
+pub struct Watched {
+    pub session: Session,
+    pub told: Receiver<Output>,
+}
+
+impl Watched {
+    pub fn of(document: Document) -> Self {
+        let (tell, told) = channel();
+        let control = Control::default().with_threads(2);
+        let session = Session::start(document, &control, move |output| drop(tell.send(output))).unwrap();
+        Self { session, told }
+    }
+
+    /// Waits for something that is told.
+    pub fn wait<T>(&self, mut wanted: impl FnMut(&Output) -> Option<T>) -> T {
+        let end = Instant::now() + PATIENCE;
+        loop {
+            let left = end.saturating_duration_since(Instant::now());
+            let output = self.told.recv_timeout(left).expect("it is told in time");
+            if let Output::Problem(reason) = &output {
+                panic!("{reason}");
+            }
+            if let Some(found) = wanted(&output) {
+                return found;
+            }
+        }
+    }
+
+    /// Waits for a picture of a stage that shows an edit of client 1.
+    pub fn picture(&self, stage: Stage, edit: u64) -> Arc<Picture> {
+        self.wait(|output| match output {
+            Output::Picture(p) if p.head.stage == stage && p.answers.get(&1).copied().unwrap_or(0) >= edit => {
+                Some(p.clone())
+            }
+            _ => None,
+        })
+    }
+}
+
+/// A server on a thread of its own.
+pub struct Running {
+    pub address: String,
+    pub token: String,
+    pub control: Control,
+    pub thread: JoinHandle<Result<(), ServerError>>,
+}
+
+/// Bytes of a head and of a body, read apart.
+pub struct Answer {
+    pub status: u16,
+    pub head: String,
+    pub body: Vec<u8>,
+}
+
+pub type Client = WebSocket<TcpStream>;
+
+impl Running {
+    pub fn new(document: Document, stay: bool) -> Self {
+        let server = Server::bind(Server::USUAL).unwrap();
+        let url = server.url();
+        let rest = url.strip_prefix("http://").unwrap();
+        let (address, token) = rest.split_once('/').unwrap();
+        let control = Control::default().with_threads(2);
+        let theirs = control.clone();
+        let thread = std::thread::spawn(move || server.run(document, &theirs, stay));
+        Self { address: address.to_owned(), token: token.trim_end_matches('/').to_owned(), control, thread }
+    }
+
+    /// Sends the lines of a request as they are, and reads all of the answer.
+    pub fn request(&self, lines: &str) -> Answer {
+        let mut stream = TcpStream::connect(&self.address).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        write!(stream, "{}\r\nConnection: close\r\n\r\n", lines.replace('\n', "\r\n")).unwrap();
+        let mut bytes = Vec::new();
+        stream.read_to_end(&mut bytes).unwrap();
+        let end = bytes.windows(4).position(|w| w == b"\r\n\r\n").expect("an answer has a head");
+        let head = String::from_utf8(bytes[..end].to_vec()).unwrap();
+        let status = head.split(' ').nth(1).unwrap().parse().unwrap();
+        Answer { status, head, body: bytes[end + 4..].to_vec() }
+    }
+
+    /// A plain `GET` of a path after the token.
+    pub fn get(&self, path: &str) -> Answer {
+        self.request(&format!("GET /{}/{path} HTTP/1.1\nHost: {}", self.token, self.address))
+    }
+
+    /// Opens a socket from an origin.
+    pub fn connect_from(&self, origin: Option<&str>) -> Result<Client, u16> {
+        let mut request = format!("ws://{}/{}/socket", self.address, self.token).into_client_request().unwrap();
+        if let Some(origin) = origin {
+            request.headers_mut().insert("Origin", origin.parse().unwrap());
+        }
+        let stream = TcpStream::connect(&self.address).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream.set_nodelay(true).unwrap();
+        match tungstenite::client(request, stream) {
+            Ok((client, _)) => Ok(client),
+            Err(tungstenite::HandshakeError::Failure(tungstenite::Error::Http(answer))) => {
+                Err(answer.status().as_u16())
+            }
+            Err(e) => panic!("{e}"),
+        }
+    }
+
+    /// Opens a socket as the page does.
+    pub fn connect(&self) -> Client {
+        self.connect_from(Some(&format!("http://{}", self.address))).unwrap()
+    }
+
+    /// Ends the server, and checks that it ends well.
+    pub fn end(self) {
+        self.control.cancel_flag().store(true, std::sync::atomic::Ordering::Relaxed);
+        self.thread.join().unwrap().unwrap();
+    }
+}
+
+/// Head of a picture's message, and its pixels.
+pub fn taken_apart(message: &[u8]) -> (serde_json::Value, &[u8]) {
+    let length = u32::from_le_bytes(message[..4].try_into().unwrap()) as usize;
+    (serde_json::from_slice(&message[4..4 + length]).unwrap(), &message[4 + length..])
+}

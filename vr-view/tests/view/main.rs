@@ -1,0 +1,7 @@
+//! Tests of sessions, and of the server over plain TCP.
+
+mod common;
+mod document;
+mod hostile;
+mod serving;
+mod session;

@@ -1,0 +1,166 @@
+//! The server with a page that behaves: files, pictures, edits, and the end.
+
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use tungstenite::Message;
+
+use crate::common::{Client, PATIENCE, Running, document, drawn_anew, taken_apart};
+
+/// Waits for a picture at rest that shows an edit, and returns its head and pixels; words on the way are collected.
+fn picture(client: &mut Client, stage: &str, edit: u64, words: &mut Vec<Value>) -> (Value, Vec<u8>) {
+    let end = Instant::now() + PATIENCE;
+    while Instant::now() < end {
+        match client.read().unwrap() {
+            Message::Binary(bytes) => {
+                let (head, pixels) = taken_apart(&bytes);
+                if head["stage"] == stage && head["answers"].as_u64().unwrap() >= edit {
+                    return (head, pixels.to_vec());
+                }
+            }
+            Message::Text(text) => words.push(serde_json::from_str(&text).unwrap()),
+            _ => {}
+        }
+    }
+    panic!("no picture in time");
+}
+
+fn edit(client: &mut Client, number: u64, edit: &str) {
+    client.send(Message::text(format!(r#"{{"number": {number}, "edit": {edit}}}"#))).unwrap();
+}
+
+#[test]
+fn a_page_is_served_and_told_everything() {
+    let running = Running::new(document("blobs", 16, [40, 30]), true);
+    for (path, kind, part) in [
+        ("", "text/html", "<canvas"),
+        ("app.js", "text/javascript", "import"),
+        ("style.css", "text/css", "--accent"),
+        ("icon.svg", "image/svg+xml", "<svg"),
+    ] {
+        let answer = running.get(path);
+        assert!(
+            answer.status == 200 && answer.head.to_lowercase().contains(&format!("content-type: {kind}")),
+            "{path}"
+        );
+        assert!(String::from_utf8(answer.body).unwrap().contains(part), "{path}");
+    }
+    let mut client = running.connect();
+    let mut words = Vec::new();
+    let (head, pixels) = picture(&mut client, "proven", 0, &mut words);
+    assert_eq!((&head["size"], head["coding"].as_str()), (&serde_json::json!([40, 30]), Some("rgba")));
+    assert_eq!(pixels.len(), 4 * 40 * 30);
+    while !words.iter().any(|w| w["kind"] == "opened") {
+        if let Message::Text(text) = client.read().unwrap() {
+            words.push(serde_json::from_str(&text).unwrap());
+        }
+    }
+    let of = |kind: &str| words.iter().find(|w| w["kind"] == kind).unwrap_or_else(|| panic!("{kind} in {words:?}"));
+    assert_eq!(of("hello")["version"], env!("CARGO_PKG_VERSION"));
+    let opened = &of("opened")["opened"];
+    assert_eq!((opened["title"].as_str(), &opened["notes"]), (Some("phantom blobs"), &serde_json::json!(["a note"])));
+    let counted: u64 = opened["histogram"].as_array().unwrap().iter().map(|n| n.as_u64().unwrap()).sum();
+    assert_eq!(counted, 16 * 16 * 16);
+    let state = &of("state")["state"];
+    assert_eq!((state["quality"].as_str(), state["render"]["renderer"].as_str()), (Some("proven"), Some("raycast")));
+    running.end();
+}
+
+#[test]
+fn what_is_saved_is_what_is_shown() {
+    let running = Running::new(document("blobs", 16, [40, 30]), true);
+    let mut client = running.connect();
+    edit(&mut client, 1, r#"{"kind": "size", "size": [61, 47]}"#);
+    edit(&mut client, 2, r#"{"kind": "orbit", "right": 25, "up": 10}"#);
+    edit(&mut client, 3, r#"{"kind": "preset", "name": "inferno"}"#);
+    let (_, shown) = picture(&mut client, "proven", 3, &mut Vec::new());
+    let scene = running.get("save/scene.toml");
+    assert!(scene.head.contains("attachment; filename=\"scene.toml\""), "{}", scene.head);
+    let (size, rgba) = drawn_anew(&String::from_utf8(scene.body).unwrap());
+    assert!(size == [61, 47] && rgba == shown);
+    let rgb: Vec<u8> = rgba.chunks(4).flat_map(|p| p[..3].to_vec()).collect();
+    let decoded = |bytes: &[u8]| image::load_from_memory(bytes).unwrap();
+    let png = decoded(&running.get("save/picture.png").body);
+    assert!((png.width(), png.height()) == (61, 47) && png.to_rgb8().into_raw() == rgb);
+    let large = decoded(&running.get("save/picture.png?width=200&height=100").body);
+    assert_eq!((large.width(), large.height()), (200, 100));
+    let exr = running.get("save/picture.exr");
+    assert_eq!(exr.body[..4], [0x76, 0x2f, 0x31, 0x01]);
+    let map = running.get("save/transfer.json");
+    let maps = vr_io::parse_color_maps(std::str::from_utf8(&map.body).unwrap(), "map.json".as_ref()).unwrap();
+    assert_eq!(maps.len(), 1);
+    for (path, status) in [
+        ("save/passwd", 404),
+        ("save/picture.png?width=0&height=5", 422),
+        ("save/picture.png?width=60000&height=60000", 422),
+    ] {
+        assert_eq!(running.get(path).status, status, "{path}");
+    }
+    running.end();
+}
+
+#[test]
+fn two_pages_see_each_others_edits() {
+    let running = Running::new(document("fog", 8, [16, 16]), true);
+    let (mut one, mut other) = (running.connect(), running.connect());
+    picture(&mut one, "proven", 0, &mut Vec::new());
+    picture(&mut other, "proven", 0, &mut Vec::new());
+    edit(&mut one, 7, r#"{"kind": "background", "color": [0, 0, 1]}"#);
+    let mut words = Vec::new();
+    picture(&mut one, "proven", 7, &mut words);
+    let by = |words: &[Value]| words.iter().rev().find(|w| w["kind"] == "state").map(|w| w["state"]["by"].clone());
+    let told = by(&words).unwrap();
+    // The other page numbers its own edits, of which there are none.
+    let end = Instant::now() + PATIENCE;
+    let mut words = Vec::new();
+    loop {
+        let (head, pixels) = picture(&mut other, "proven", 0, &mut words);
+        assert!(head["answers"] == 0 && Instant::now() < end);
+        if pixels[..3] == [0, 0, 255] || by(&words) == Some(told.clone()) {
+            break;
+        }
+    }
+    assert_eq!(told[1], 7);
+    running.end();
+}
+
+#[test]
+fn it_ends_when_the_last_page_is_closed_and_a_reload_is_no_end() {
+    let running = Running::new(document("fog", 8, [16, 16]), false);
+    // Nothing ends before the first page came.
+    std::thread::sleep(Duration::from_millis(300));
+    let mut client = running.connect();
+    picture(&mut client, "proven", 0, &mut Vec::new());
+    client.close(None).unwrap();
+    drop(client);
+    std::thread::sleep(Duration::from_millis(500));
+    let mut again = running.connect();
+    picture(&mut again, "proven", 0, &mut Vec::new());
+    std::thread::sleep(Duration::from_millis(3500));
+    assert!(!running.thread.is_finished(), "a page is there");
+    drop(again);
+    let closed = Instant::now();
+    running.thread.join().unwrap().unwrap();
+    assert!(closed.elapsed() > Duration::from_secs(2) && closed.elapsed() < Duration::from_secs(20));
+}
+
+#[test]
+fn it_stays_when_told_to_and_says_goodbye() {
+    let running = Running::new(document("fog", 8, [16, 16]), true);
+    drop(running.connect());
+    std::thread::sleep(Duration::from_millis(3800));
+    assert!(!running.thread.is_finished());
+    let mut client = running.connect();
+    picture(&mut client, "proven", 0, &mut Vec::new());
+    let start = Instant::now();
+    running.end();
+    // Ctrl-C has little patience.
+    assert!(start.elapsed() < Duration::from_millis(400), "{:?}", start.elapsed());
+    let mut last = Value::Null;
+    while let Ok(message) = client.read() {
+        if let Message::Text(text) = message {
+            last = serde_json::from_str(&text).unwrap();
+        }
+    }
+    assert_eq!(last["kind"], "bye");
+}

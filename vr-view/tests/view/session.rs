@@ -1,0 +1,156 @@
+//! Sessions: stages, their errors, and what edits do to them.
+
+use std::time::{Duration, Instant};
+
+use vr_io::ShadingSection;
+use vr_view::session::{Edit, Export, Output, PictureError, Quality, Side, Stage};
+
+use crate::common::{Watched, document, drawn_anew};
+
+#[test]
+fn a_picture_sharpens_until_it_is_proven() {
+    let watched = Watched::of(document("hydrogen", 24, [200, 150]));
+    let draft = watched.picture(Stage::Draft, 0);
+    let [w, h] = draft.head.size;
+    assert!(w < 200 && w > h && draft.head.full_size == [200, 150], "the first picture is coarse: {w}x{h}");
+    assert_eq!(draft.head.error, PictureError::Unknown);
+    let sharp = watched.picture(Stage::Sharp, 0);
+    assert_eq!((sharp.head.size, sharp.rgba.len()), ([200, 150], 4 * 200 * 150));
+    let measured = watched.wait(|output| match output {
+        Output::Error { picture, error } if *picture == sharp.head.picture => Some(*error),
+        _ => None,
+    });
+    let PictureError::Measured { rmse, max, pixels, of } = measured else { panic!("{measured:?}") };
+    assert!(rmse > 0.0 && rmse < 2e-3 && max < 0.05 && pixels == 24 * 24 && of == 200 * 150, "{measured:?}");
+    let proven = watched.picture(Stage::Proven, 0);
+    let PictureError::Proven { bound, rmse: Some(rmse) } = proven.head.error else { panic!("{:?}", proven.head) };
+    assert!(bound == 4e-3 && rmse < 4e-3);
+    // What a draft is off by is known from then on.
+    watched.session.apply(1, 1, &Edit::Orbit { right: 3.0, up: 1.0 }).unwrap();
+    let draft = watched.picture(Stage::Draft, 1);
+    let PictureError::Estimated { rmse } = draft.head.error else { panic!("{:?}", draft.head) };
+    assert!(rmse > 1e-5 && rmse < 0.1, "{rmse}");
+}
+
+#[test]
+fn pixels_at_rest_are_those_of_the_saved_scene() {
+    let watched = Watched::of(document("blobs", 24, [96, 80]));
+    let shading = ShadingSection { ambient: 0.3, specular: 0.5, ..ShadingSection::default() };
+    let edits = [
+        Edit::Orbit { right: 33.3, up: -12.1 },
+        Edit::Zoom { factor: 1.37, at: [0.11, -0.07] },
+        Edit::Projection { perspective: true },
+        Edit::FieldOfView { degrees: 41.7 },
+        Edit::Preset { name: "viridis".to_owned() },
+        Edit::UnitDistance { length: 0.0371 },
+        Edit::Shading { shading },
+        Edit::Background { color: [0.1, 0.2, 0.3] },
+        Edit::Crop { corners: Some([[-0.9, -0.8, -0.7], [0.71, 0.6, 0.9]]) },
+        Edit::Size { size: [121, 77] },
+        Edit::Roll { degrees: 17.0 },
+        Edit::Quality { quality: Quality::Fine },
+        Edit::Pan { right: 0.013, up: 0.1 },
+        Edit::Shading { shading: ShadingSection { enabled: false, ..ShadingSection::default() } },
+        Edit::Quality { quality: Quality::Proven },
+        Edit::Side { side: Side::Top },
+    ];
+    for (number, edit) in (1..).zip(&edits) {
+        watched.session.apply(1, number, edit).unwrap();
+        if ![1, 7, 9, 12, 16].contains(&number) {
+            continue;
+        }
+        // Not every scene can be proven: one with shading is drawn as well as the renderer does by itself.
+        let is_proven = watched.session.state().render.max_error.is_some();
+        let shown = watched.picture(if is_proven { Stage::Proven } else { Stage::Sharp }, number);
+        let text = String::from_utf8(watched.session.export(Export::Scene).unwrap()).unwrap();
+        let (size, rgba) = drawn_anew(&text);
+        assert!(size == shown.head.size && rgba == shown.rgba, "after {edit:?}:\n{text}");
+        assert!(rgba.chunks(4).any(|p| p != &rgba[..4]), "it shows something");
+    }
+}
+
+#[test]
+fn every_edit_is_shown_and_the_newest_first() {
+    let watched = Watched::of(document("fog", 16, [300, 300]));
+    watched.picture(Stage::Proven, 0);
+    // Far more edits than pictures; none of the pictures is older than the one before.
+    for number in 1..=200 {
+        watched.session.apply(1, number, &Edit::Orbit { right: 1.0, up: 0.0 }).unwrap();
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let (mut pictures, mut last) = (0, 0);
+    while last < 200 {
+        let picture = watched.picture(Stage::Draft, 1);
+        let answer = picture.answers[&1];
+        assert!(answer >= last, "an older picture came after a newer one");
+        (pictures, last) = (pictures + 1, answer);
+    }
+    assert!((2..200).contains(&pictures), "{pictures} pictures of 200 edits");
+    // After it all, the camera is where 200 degrees bring it: no edit was lost.
+    let text = String::from_utf8(watched.session.export(Export::Scene).unwrap()).unwrap();
+    let shown = watched.picture(Stage::Proven, 200);
+    assert!(drawn_anew(&text).1 == shown.rgba);
+    let start = document("fog", 16, [300, 300]).view().camera;
+    let [there, here] =
+        [start.orbit(200.0, 0.0).eye, vr_io::parse_scene(&text, "x".as_ref()).unwrap().camera.unwrap().eye.unwrap()];
+    assert!(there.distance(here) < 1e-9, "{there} {here}");
+}
+
+#[test]
+fn an_edit_ends_the_work_that_it_makes_stale() {
+    // A large picture under a bound takes seconds.
+    let watched = Watched::of(document("shepp-logan", 64, [1600, 1200]));
+    watched.picture(Stage::Sharp, 0);
+    watched.wait(|output| matches!(output, Output::Error { .. }).then_some(()));
+    std::thread::sleep(Duration::from_millis(100));
+    let start = Instant::now();
+    watched.session.apply(1, 1, &Edit::Orbit { right: 1.0, up: 0.0 }).unwrap();
+    // The picture that was in progress never comes.
+    let stage = watched.wait(|output| match output {
+        Output::Picture(picture) => Some(picture.head.stage),
+        _ => None,
+    });
+    assert!(stage == Stage::Draft && start.elapsed() < Duration::from_secs(2), "{stage:?} after {:?}", start.elapsed());
+}
+
+#[test]
+fn an_hour_in_little_leaves_pictures_right() {
+    let watched = Watched::of(document("shells", 16, [64, 48]));
+    let mut random = 1u64;
+    let mut next = |n: u64| {
+        // Knuth's linear congruence: any numbers will do, as long as they are the same each time.
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (random >> 33) % n
+    };
+    let presets = ["viridis", "inferno", "grey", "cool-warm"];
+    let (mut done, mut last) = (0, 0);
+    for number in 1..=400 {
+        let small = |n: u64| n as f64 / 50.0 - 1.0;
+        let edit = match next(12) {
+            0 => Edit::Preset { name: presets[next(4) as usize].to_owned() },
+            1 => Edit::Undo,
+            2 => Edit::Redo,
+            3 => Edit::Zoom { factor: 1.0 + 0.2 * small(next(100)), at: [small(next(100)), small(next(100))] },
+            4 => Edit::Fit,
+            5 => Edit::Crop { corners: (next(2) == 0).then_some([[-0.5; 3], [0.1 + 0.005 * next(100) as f64; 3]]) },
+            6 => Edit::Projection { perspective: next(2) == 0 },
+            7 => Edit::UnitDistance { length: 0.01 + 0.01 * next(20) as f64 },
+            8 => Edit::Quality { quality: [Quality::Draft, Quality::Normal, Quality::Proven][next(3) as usize] },
+            9 => Edit::Renderer { name: ["raycast", "shearwarp"][next(2) as usize].to_owned() },
+            _ => Edit::Orbit { right: 40.0 * small(next(100)), up: 40.0 * small(next(100)) },
+        };
+        // What is refused changes nothing.
+        if watched.session.apply(1, number, &edit).is_ok() {
+            done += 1;
+        }
+        if number % 80 == 0 {
+            watched.session.apply(1, 1000 + number, &Edit::Side { side: Side::Front }).unwrap();
+            let has_proof = watched.session.state().quality == Some(Quality::Proven);
+            let shown = watched.picture(if has_proof { Stage::Proven } else { Stage::Sharp }, 1000 + number);
+            let text = String::from_utf8(watched.session.export(Export::Scene).unwrap()).unwrap();
+            assert!(drawn_anew(&text).1 == shown.rgba, "after {number} edits:\n{text}");
+            last = number;
+        }
+    }
+    assert!(done > 250 && last == 400, "{done} edits were made");
+}
