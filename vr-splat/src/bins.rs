@@ -16,6 +16,11 @@ pub(crate) struct Keyed {
     pub(crate) splat: Splat,
 }
 
+impl Keyed {
+    /// A place for one.
+    const NONE: Self = Self { key: 0, splat: Splat { place: [0.0; 3], scale: 1.0, weight: 0.0, value: 0.0 } };
+}
+
 /// Keys of splats.
 #[derive(Clone, Copy)]
 pub(crate) enum Keys {
@@ -90,8 +95,7 @@ impl Bins {
                 starts[tile + 1] += starts[tile];
             }
             let mut next = starts.clone();
-            let empty = Keyed { key: 0, splat: Splat { place: [0.0; 3], scale: 1.0, weight: 0.0, value: 0.0 } };
-            let mut splats = vec![empty; found.len()];
+            let mut splats = vec![Keyed::NONE; found.len()];
             for (tile, keyed) in found {
                 let place = &mut next[tile as usize];
                 splats[*place as usize] = keyed;
@@ -108,11 +112,34 @@ impl Bins {
         let tile = tile as usize;
         let parts = self.chunks.iter().map(|c| &c.splats[c.starts[tile] as usize..c.starts[tile + 1] as usize]);
         let count = parts.clone().map(<[Keyed]>::len).sum();
+        let (min, max) = parts.clone().flatten().fold((u32::MAX, 0), |(l, m), k| (l.min(k.key), m.max(k.key)));
+        if max.saturating_sub(min) < MAX_SPAN {
+            return counting_sort(parts, count, min, max);
+        }
         let mut all = Vec::with_capacity(count);
         parts.for_each(|part| all.extend_from_slice(part));
         radix_sort(&mut all);
         all
     }
+}
+
+/// Number of keys up to which splats are sorted straight from their chunks: so many counters stay in the nearest cache.
+const MAX_SPAN: u32 = 1 << 12;
+
+/// Sorts by key, stably, while gathering: one pass counts and one places (Knuth 1973, algorithm 5.2D).
+fn counting_sort<'a>(parts: impl Iterator<Item = &'a [Keyed]> + Clone, count: usize, min: u32, max: u32) -> Vec<Keyed> {
+    let mut starts = vec![0u32; (max.saturating_sub(min) + 2) as usize];
+    parts.clone().flatten().for_each(|k| starts[(k.key - min) as usize + 1] += 1);
+    for i in 1..starts.len() {
+        starts[i] += starts[i - 1];
+    }
+    let mut all = vec![Keyed::NONE; count];
+    for k in parts.flatten() {
+        let place = &mut starts[(k.key - min) as usize];
+        all[*place as usize] = *k;
+        *place += 1;
+    }
+    all
 }
 
 /// Bits of a digit.

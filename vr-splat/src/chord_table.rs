@@ -1,7 +1,7 @@
 //! Courses of a radially symmetric kernel along chords: polynomials, and of a cone the closed form.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4, f32x16, i32x16};
+use fearless_simd::{Simd, f32x4, f32x8, f32x16, i32x16};
 use vr_core::PointKernel;
 use vr_kernels::vector::{LANES, ln, pick, splat, transpose};
 
@@ -67,21 +67,16 @@ impl ChordTable {
         let t = across - column.to_float::<f32x16<S>>();
         let index = column.to_array();
         let flat = self.rows.as_flattened();
-        let zero = f32x4::splat(simd, 0.0);
-        let mut parts = [[zero; LANES]; 4];
+        // Between two rows first, whose terms lie side by side: one row a ray is turned in place of two.
+        let t = t.to_array();
+        let mut halves = [[f32x4::splat(simd, 0.0); LANES]; 2];
         for i in 0..LANES {
             let both = &flat[TERMS * (index[i] as u32 as usize)..][..2 * TERMS];
-            for (p, part) in parts.iter_mut().enumerate() {
-                part[i] = f32x4::from_slice(simd, &both[4 * p..4 * p + 4]);
-            }
+            let (row, next) = (f32x8::from_slice(simd, &both[..TERMS]), f32x8::from_slice(simd, &both[TERMS..]));
+            (halves[0][i], halves[1][i]) = (row + (next - row) * t[i]).split();
         }
-        let [low, mid, next_low, next_mid] =
-            [transpose(parts[0]), transpose(parts[1]), transpose(parts[2]), transpose(parts[3])];
-        let mut terms = [splat(simd, 0.0); TERMS];
-        for k in 0..4 {
-            terms[k] = low[k] + t * (next_low[k] - low[k]);
-            terms[k + 4] = mid[k] + t * (next_mid[k] - mid[k]);
-        }
+        let (low, high) = (transpose(halves[0]), transpose(halves[1]));
+        let terms = [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]];
         if let Form::Smooth = self.form {
             return ChordCourse::Smooth(terms);
         }

@@ -18,8 +18,9 @@ pub(crate) struct SplatView {
     pub(crate) unit: f64,
     /// Depth of the eye's plane is 0, in units; what is drawn begins here.
     pub(crate) base: f64,
-    /// X from one subpixel to the next.
+    /// X from one subpixel to the next, and one over that.
     pixel: f64,
+    per_pixel: f64,
     /// Subpixels along the edge of a pixel.
     samples: f64,
     pub(crate) kernel: KernelSpace,
@@ -66,6 +67,7 @@ impl SplatView {
             Projection::Orthographic { height } => (false, height / unit),
             Projection::Perspective { fov } => (true, 2.0 * libm::tan(0.5 * fov.to_radians())),
         };
+        let pixel = height / f64::from(fine.size[1]);
         let axes = of_world.map_or(DMat3::IDENTITY, |m| m * frame * unit);
         let mut made = Self {
             rays,
@@ -75,7 +77,8 @@ impl SplatView {
             perspective,
             unit,
             base: 0.0,
-            pixel: height / f64::from(fine.size[1]),
+            pixel,
+            per_pixel: 1.0 / pixel,
             samples: f64::from(view.supersampling),
             kernel: KernelSpace::new(axes, cube),
         };
@@ -128,7 +131,7 @@ impl SplatView {
     #[inline]
     pub(crate) fn rectangle(&self, place: [f32; 3], scale: f32) -> Option<[u32; 4]> {
         let [x, y, z] = place.map(f64::from);
-        let half = self.kernel.half / f64::from(scale);
+        let half = self.kernel.half * (1.0 / f64::from(scale));
         let [left, right, low, high] = if self.perspective {
             let (near, far) = (z + self.base - half.z, z + self.base + half.z);
             if far <= 0.0 {
@@ -148,8 +151,9 @@ impl SplatView {
         let [w, h] = self.size.map(f64::from);
         // Pixel i has its centre at i + ½; a hair more for rounding.
         let slack = 1e-3;
-        let columns = [left / self.pixel + 0.5 * w - 0.5 - slack, right / self.pixel + 0.5 * w - 0.5 + slack];
-        let rows = [0.5 * h - high / self.pixel - 0.5 - slack, 0.5 * h - low / self.pixel - 0.5 + slack];
+        let [left, right, low, high] = [left, right, low, high].map(|x| x * self.per_pixel);
+        let columns = [left + 0.5 * w - 0.5 - slack, right + 0.5 * w - 0.5 + slack];
+        let rows = [0.5 * h - high - 0.5 - slack, 0.5 * h - low - 0.5 + slack];
         if columns[1] < 0.0 || rows[1] < 0.0 || columns[0] > w - 1.0 || rows[0] > h - 1.0 {
             return None;
         }

@@ -16,16 +16,16 @@ use super::footprint::Passing;
 use super::sheets::Section;
 
 /// Chords of sixteen rays through a kernel.
-struct Chords<S: Simd> {
-    course: ChordCourse<S>,
-    nearest: f32x16<S>,
+pub(super) struct Chords<S: Simd> {
+    pub(super) course: ChordCourse<S>,
+    pub(super) nearest: f32x16<S>,
     /// 1 over half their lengths in depth; 0 for rays that miss the kernel.
-    per_half: f32x16<S>,
-    gradients: Option<ChordGradients<S>>,
+    pub(super) per_half: f32x16<S>,
+    pub(super) gradients: Option<ChordGradients<S>>,
 }
 
 /// Gradients along chords, but for the splat's weight.
-struct ChordGradients<S: Simd> {
+pub(super) struct ChordGradients<S: Simd> {
     course: GradientCourse<S>,
     /// From the splat to the nearest places of the rays, in radii.
     across: [f32x16<S>; 3],
@@ -37,7 +37,7 @@ struct ChordGradients<S: Simd> {
 
 /// Integrals from the middle of chords up to a depth.
 #[derive(Clone, Copy)]
-struct UpTo<S: Simd> {
+pub(super) struct UpTo<S: Simd> {
     /// ∫ W.
     whole: f32x16<S>,
     /// Integral of the gradient, if that is asked for.
@@ -45,9 +45,9 @@ struct UpTo<S: Simd> {
 }
 
 /// Integrals over a section of chords.
-struct Between<S: Simd> {
+pub(super) struct Between<S: Simd> {
     /// ∫ W.
-    whole: f32x16<S>,
+    pub(super) whole: f32x16<S>,
     /// Integrals of the gradient across the chord, as a factor of its nearest place, and along it, if they are asked for.
     slope: Option<[f32x16<S>; 2]>,
 }
@@ -55,7 +55,7 @@ struct Between<S: Simd> {
 impl<S: Simd> Chords<S> {
     /// Integrals up to a depth.
     #[inline(always)]
-    fn up_to(&self, simd: S, depth: f32x16<S>) -> UpTo<S> {
+    pub(super) fn up_to(&self, simd: S, depth: f32x16<S>) -> UpTo<S> {
         self.up_to_part(simd, self.part_at(simd, depth))
     }
 
@@ -83,7 +83,7 @@ impl<S: Simd> Chords<S> {
 
     /// ∫ W between two depths, and that of the gradient's parts across and along the chord.
     #[inline(always)]
-    fn between(&self, simd: S, before: &UpTo<S>, after: &UpTo<S>) -> Between<S> {
+    pub(super) fn between(&self, simd: S, before: &UpTo<S>, after: &UpTo<S>) -> Between<S> {
         // Kernels of points are nowhere negative; polynomials and rounding might be.
         let whole = (after.whole - before.whole).max(splat(simd, 0.0));
         // No closure: it is not compiled for the vectors' instructions where it is not inlined.

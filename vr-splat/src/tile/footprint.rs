@@ -90,18 +90,26 @@ impl Axes {
             square: [x.length_squared() as f32, (2.0 * x.dot(y)) as f32, y.length_squared() as f32],
         }
     }
+
+    /// |x|², 2 x·y and |y|² of the view's x and y axes in kernel space.
+    #[inline(always)]
+    pub(crate) fn square(&self) -> [f32; 3] {
+        self.square
+    }
+
+    /// Factor of rays' X and Y at a splat's depth.
+    #[inline(always)]
+    pub(crate) fn lever(&self, at: &Splat) -> f32 {
+        if self.perspective { at.place[2] + self.base } else { 1.0 }
+    }
 }
 
 /// Distances at which rays pass to the right of and above a splat, at its depth.
 #[inline(always)]
 fn beside<S: Simd>(simd: S, axes: &Axes, block: &Block, at: &Splat) -> [f32x16<S>; 2] {
     let (x, y) = (block.lateral[0].load(simd), block.lateral[1].load(simd));
-    if axes.perspective {
-        let lever = at.place[2] + axes.base;
-        [x * lever - at.place[0], y * lever - at.place[1]]
-    } else {
-        [x - at.place[0], y - at.place[1]]
-    }
+    let lever = axes.lever(at);
+    [x * lever - at.place[0], y * lever - at.place[1]]
 }
 
 /// Rays through a radially symmetric kernel.

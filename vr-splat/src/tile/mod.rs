@@ -4,6 +4,7 @@ mod block;
 mod chords;
 mod composite;
 mod footprint;
+mod fragments;
 mod painter;
 mod sheets;
 mod state;
@@ -59,6 +60,7 @@ impl Vectorized for TileJob<'_> {
             done: 0,
             sheets: vec![Lanes::ZERO; slots * BLOCKS * channels],
             touched: vec![0; slots],
+            filled: vec![0; slots],
             work: Work::default(),
         };
         match (&painter.content, painter.buffers) {
@@ -103,6 +105,8 @@ struct Tile<'a> {
     sheets: Vec<Lanes>,
     /// Blocks that anything is in, slot by slot.
     touched: Vec<u64>,
+    /// Blocks on whose rays supports cover all of a sheet, slot by slot, where what is covered matters.
+    filled: Vec<u64>,
     work: Work,
 }
 
@@ -111,6 +115,17 @@ struct Tile<'a> {
 struct Covered {
     x: [u32; 2],
     y: [u32; 2],
+    /// First and last column, and row, of its pixels within the tile.
+    columns: [u32; 2],
+    rows: [u32; 2],
+}
+
+impl Covered {
+    /// Number of pixels of the rectangle within the tile.
+    #[inline(always)]
+    fn pixels(&self) -> u32 {
+        (self.columns[1] - self.columns[0] + 1) * (self.rows[1] - self.rows[0] + 1)
+    }
 }
 
 impl Tile<'_> {
@@ -126,9 +141,10 @@ impl Tile<'_> {
         let [x0, x1, y0, y1] = self.painter.view.rectangle(splat.place, splat.scale)?;
         let edge = |first: u32, last: u32, start: u32| {
             let end = start + TILE - 1;
-            (first <= end && last >= start).then(|| [(first.max(start) - start) / EDGE, (last.min(end) - start) / EDGE])
+            (first <= end && last >= start).then(|| [first.max(start) - start, last.min(end) - start])
         };
-        Some(Covered { x: edge(x0, x1, self.column)?, y: edge(y0, y1, self.row)? })
+        let (columns, rows) = (edge(x0, x1, self.column)?, edge(y0, y1, self.row)?);
+        Some(Covered { x: columns.map(|i| i / EDGE), y: rows.map(|i| i / EDGE), columns, rows })
     }
 
     /// The next block, from (x, y) on, that takes more; its rays are ready then.

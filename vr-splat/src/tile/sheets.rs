@@ -10,6 +10,7 @@ use crate::splatter::Buffers;
 
 use super::Tile;
 use super::footprint::{Crossing, FootprintKernel, Passing};
+use super::fragments::{self, Fragments};
 
 /// The part of a splat in a sheet, for sixteen rays.
 pub(super) struct Section<S: Simd> {
@@ -29,7 +30,16 @@ impl Tile<'_> {
         let half = painter.view.half_depth() as f32;
         // Sheets from `next` to `open` may hold something.
         let (mut next, mut open) = (0, 0);
+        // Rays of small kernels, where sheets hold what these can be added to.
+        let takes_apart = match painter.kernel {
+            FootprintKernel::Smooth(_, chords) if self.channels == fragments::CHANNELS => Some(chords),
+            _ => None,
+        };
+        let mut fragments = Fragments::NONE;
         for (i, Keyed { key, splat }) in splats.iter().enumerate() {
+            if let Some(chords) = takes_apart.filter(|_| next < *key && next < open) {
+                self.add_fragments(simd, chords, &mut fragments);
+            }
             while next < *key && next < open {
                 self.finish_sheet(simd, next);
                 next += 1;
@@ -44,6 +54,10 @@ impl Tile<'_> {
             // `as` saturates; rounding must not take more sheets than the ring has.
             let last = (back as u32).clamp(*key, key + painter.ring - 1).min(painter.sheets - 1);
             open = open.max(last + 1);
+            if let Some(chords) = takes_apart.filter(|_| covered.pixels() <= fragments::MAX_PIXELS) {
+                self.take_apart(simd, chords, &mut fragments, splat, &covered, [*key, last]);
+                continue;
+            }
             for y in covered.y[0]..=covered.y[1] {
                 for x in covered.x[0]..=covered.x[1] {
                     if let Some(number) = self.take(x, y) {
@@ -51,6 +65,9 @@ impl Tile<'_> {
                     }
                 }
             }
+        }
+        if let Some(chords) = takes_apart {
+            self.add_fragments(simd, chords, &mut fragments);
         }
         for sheet in next..open {
             self.finish_sheet(simd, sheet);
@@ -126,7 +143,12 @@ impl Tile<'_> {
         let channels = &mut self.sheets[at..at + self.channels];
         add(simd, channels, section.whole, value, optics);
         match (channels, section.reach) {
-            ([_, to_back, to_front], Some(reach)) => cover(simd, [to_back, to_front], reach),
+            ([_, to_back, to_front], Some(reach)) => {
+                // Of a sheet that is covered all through, no support covers more.
+                if self.filled[slot] >> number & 1 == 0 && covers_all(simd, [to_back, to_front], reach) {
+                    self.filled[slot] |= 1 << number;
+                }
+            }
             ([_, to_back, to_front, x, y, z], Some(reach)) => {
                 cover(simd, [to_back, to_front], reach);
                 if let Some(gradient) = section.gradient {
@@ -159,6 +181,7 @@ impl Tile<'_> {
         let of_image = painter.buffers == Buffers::Image;
         let slot = if of_image { (sheet & (painter.ring - 1)) as usize } else { 0 };
         let mut touched = std::mem::take(&mut self.touched[slot]);
+        self.filled[slot] = 0;
         let channels = self.channels;
         let [front, back] = [sheet, sheet + 1].map(|k| k as f32 * painter.distance);
         while touched != 0 {
@@ -195,6 +218,15 @@ fn cover<S: Simd>(simd: S, [to_back, to_front]: [&mut Lanes; 2], [[start, end], 
     let covered = front.simd_lt(back);
     *to_back = Lanes::new(to_back.load(simd).max(pick(covered, end - front, zero)));
     *to_front = Lanes::new(to_front.load(simd).max(pick(covered, back - start, zero)));
+}
+
+/// Takes note of what a support covers of a sheet, and returns true if nothing of it is left uncovered on any of the rays.
+#[inline(always)]
+fn covers_all<S: Simd>(simd: S, [to_back, to_front]: [&mut Lanes; 2], reach: [[f32x16<S>; 2]; 2]) -> bool {
+    cover(simd, [to_back, to_front], reach);
+    let [[start, end], _] = reach;
+    let all = end - start;
+    (to_back.load(simd).simd_ge(all) & to_front.load(simd).simd_ge(all)).all_true()
 }
 
 /// Adds a section to the channels of a mixture behind the first three: the gradient of values, weights, colours and the gradient of weights, or weights

@@ -50,6 +50,24 @@ fn pictures_are_what_the_model_sums() {
 }
 
 #[test]
+fn kernels_smaller_than_pixels_are_what_the_model_sums() {
+    let scene = cloud("plummer", 3000);
+    let (low, high) = scene.volume.bounds();
+    let Volume::Points(points) = &scene.volume else { unreachable!("it is of points") };
+    for (elevation, fov) in [(21.0, None), (50.0, Some(35.0))] {
+        let view = view(&scene, 33.0, elevation, fov, 20);
+        // A pixel is at least so large: most kernels have a rectangle of three pixels across at the most, and are drawn ray by ray.
+        let pixel = (high - low).min_element() / 20.0;
+        let small = points.radii().iter().filter(|&&radius| f64::from(radius) < pixel).count();
+        assert!(small > 2000, "{small} kernels");
+        let m = error_of_model(&Splatter { termination: 1.0, ..Splatter::default() }, &scene, &view);
+        println!("{fov:?}: {m}, {small} of 3000 kernels are small");
+        // Tables of kernels and of the transfer function, and rounding in f32 of sums of many.
+        assert!(m.max < 1e-4, "{fov:?}: {m}");
+    }
+}
+
+#[test]
 fn thin_sheets_of_values_come_to_the_reference() {
     for scene in [cloud("plummer", 300), cloud("turbulence", 300)] {
         for (azimuth, elevation, fov) in [(33.0, 21.0, None), (-60.0, 50.0, Some(35.0))] {
