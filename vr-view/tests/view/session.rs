@@ -59,7 +59,7 @@ fn pixels_at_rest_are_those_of_the_saved_scene() {
         if ![1, 7, 9, 12, 16].contains(&number) {
             continue;
         }
-        // Not every scene can be proven: one with shading is drawn as well as the renderer does by itself.
+        // A quality that is no bound is drawn as well as the renderer does by itself.
         let is_proven = watched.session.state().render.max_error.is_some();
         let shown = watched.picture(if is_proven { Stage::Proven } else { Stage::Sharp }, number);
         let text = String::from_utf8(watched.session.export(Export::Scene).unwrap()).unwrap();

@@ -2,8 +2,8 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16, i32x16};
-use vr_core::GradientMethod;
 use vr_core::rectilinear::{Axis, RectilinearGrid, Segment};
+use vr_core::{GradientMethod, cancel};
 use vr_kernels::vector::{LANES, transpose};
 
 /// Reaches of an axis, of one segment or of several, each with a map that is linear in its cells. Places in a reach are counted in bins of one length, no
@@ -57,6 +57,8 @@ impl AxisTable {
             reaches.push(add_reach(&axis.places()[first..=end], first, &mut bins));
             left = &left[count..];
         }
+        let cells = axis.places().len() - 1;
+        cancel::claim("the ray caster's slopes along an axis", (cells * size_of::<[f32; 4]>()) as u64);
         let of_cell = |cell: usize| {
             let factors = match method {
                 GradientMethod::CentralDifferences => {
@@ -67,7 +69,7 @@ impl AxisTable {
             };
             factors.map(|factor| (factor * unit) as f32)
         };
-        Self { reaches, of_segments, bins, slopes: (0..axis.places().len() - 1).map(of_cell).collect() }
+        Self { reaches, of_segments, bins, slopes: (0..cells).map(of_cell).collect() }
     }
 
     /// Returns the number of the reach of a segment.
@@ -131,6 +133,8 @@ fn add_reach(places: &[f64], first: usize, table: &mut Vec<[f32; 4]>) -> Reach {
     let narrowest = places.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     // A little narrower than any cell, so that rounding leaves no bin with two boundaries.
     let bins = if is_even { cells } else { (length / narrowest * (1.0 + 1e-6)).ceil() as usize };
+    // A list that grows has room for twice as many for a moment.
+    cancel::claim("the ray caster's table of an axis", (2 * (table.len() + bins) * size_of::<[f32; 4]>()) as u64);
     let rate = bins as f64 / length;
     let place = Reach { origin, rate, first: first as i32, start: table.len() as i32, bins: bins as i32, is_even };
     // Boundary of a cell in bins, and cells per bin in it.
