@@ -360,8 +360,9 @@ impl Engine {
                 if job.stage == Stage::Draft {
                     self.pace.measured(w * h, start.elapsed());
                 }
-                let rmse = self.coarse_rmse.get(&coarseness(job.view.size, job.full_size));
-                (known(rmse.map(|rmse| rmse.hypot(self.sharp_rmse.unwrap_or(0.0)))), job.full_size)
+                // A coarser one is hardly nearer to the truth.
+                let as_coarse = self.coarse_rmse.range(coarseness(job.view.size, job.full_size)..).next();
+                (known(as_coarse.map(|(_, rmse)| rmse.hypot(self.sharp_rmse.unwrap_or(0.0)))), job.full_size)
             }
             Stage::Proven => (self.proof(job, &frame, &rendered.stats.counts), job.view.size),
             _ => (known(self.sharp_rmse), job.view.size),
