@@ -145,7 +145,8 @@ impl Tile<'_> {
         match (channels, section.reach) {
             ([_, to_back, to_front], Some(reach)) => {
                 // Of a sheet that is covered all through, no support covers more.
-                if self.filled[slot] >> number & 1 == 0 && covers_all(simd, [to_back, to_front], reach) {
+                let is_open = self.filled[slot] >> number & 1 == 0;
+                if is_open && covers_all(simd, [to_back, to_front], reach) {
                     self.filled[slot] |= 1 << number;
                 }
             }
