@@ -1,7 +1,7 @@
 //! Server: one session before browsers, on this machine unless told otherwise.
 //!
 //! Plain `GET` for the page and for files to be saved, a WebSocket for edits and pictures. Every address begins with a random [token](Token), and every
-//! request is [checked](guard::check).
+//! request is checked (`guard`).
 
 mod guard;
 mod hub;
