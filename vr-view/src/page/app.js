@@ -2,6 +2,7 @@
 
 import { Connection } from "./connection.js";
 import { Curve } from "./curve.js";
+import { ErrorMap } from "./error_map.js";
 import { Hands } from "./hands.js";
 import { Marks } from "./marks.js";
 import { Panels } from "./panels.js";
@@ -39,6 +40,8 @@ function windowed(phase, dx, dy) {
   curve.windowed(windowing.from, Math.exp(2 * windowing.width), windowing.level * (range[1] - range[0]));
 }
 
+const errorMap = new ErrorMap({ canvas: byId("errors"), rests });
+
 new Hands(canvas, { send, tool: () => tool, windowed, hovered: () => {} });
 
 const connection = new Connection({
@@ -68,10 +71,14 @@ const connection = new Connection({
   async picture(head, bytes, since) {
     if (!(await picture.show(head, bytes))) return;
     status.picture(head, since);
+    errorMap.shown(head);
     panels.look(head.camera);
     redraw();
   },
-  error: (message) => status.error(message),
+  error(message) {
+    status.error(message);
+    if (status.head) errorMap.shown(status.head);
+  },
   problem: ({ reason }) => status.problem(reason),
   refused: ({ reason }) => toast(reason),
 });
@@ -141,6 +148,7 @@ window.addEventListener("keydown", (event) => {
     m: () => choose("move"),
     z: () => choose("zoom"),
     w: () => choose("window"),
+    e: () => errorMap.toggle(),
     p: () => togglePanel(),
     "?": () => byId("help").showModal(),
   };
@@ -150,4 +158,4 @@ window.addEventListener("keydown", (event) => {
 window.addEventListener("resize", redraw);
 
 // For tests and for the curious: what is on the screen, and how fast it came.
-window.vr = { status, picture, curve, send, get rests() { return rests(); } };
+window.vr = { status, picture, curve, errorMap, send, get rests() { return rests(); } };

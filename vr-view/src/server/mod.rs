@@ -3,6 +3,7 @@
 //! Plain `GET` for the page and for files to be saved, a WebSocket for edits and pictures. Every address begins with a random [token](Token), and every
 //! request is checked (`guard`).
 
+mod error_map;
 mod guard;
 mod hub;
 mod message;
@@ -146,7 +147,7 @@ struct Service {
     clients: Arc<AtomicUsize>,
     next_client: Arc<AtomicU64>,
     opened: Arc<OnceCell<Opened>>,
-    /// One picture at a time is drawn to be saved.
+    /// One picture at a time is drawn to be saved, or to be compared.
     exports: Arc<Semaphore>,
     end: Arc<watch::Sender<bool>>,
 }
@@ -192,6 +193,7 @@ fn router(service: Service) -> Router {
         .route("/{token}/", get(page::index))
         .route("/{token}/socket", get(connect))
         .route("/{token}/save/{name}", get(save))
+        .route("/{token}/truth/error-map", get(error_map::answer))
         .route("/{token}/{name}", get(page::file))
         .layer(guarded)
         .with_state(service)

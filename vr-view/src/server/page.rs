@@ -30,6 +30,7 @@ files! {
     "curve.js": JS,
     "panels.js": JS,
     "color.js": JS,
+    "error_map.js": JS,
 }
 
 /// Answers with the page itself.

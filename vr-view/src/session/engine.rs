@@ -15,6 +15,7 @@ use super::describe::{Opened, State};
 use super::document::{Change, Document};
 use super::edit::Edit;
 use super::error::EditError;
+use super::error_map::{ErrorMap, ErrorMapError};
 use super::export::{Export, ExportError};
 use super::pace::Pace;
 use super::picture::{ClientId, Head, Orientation, Picture, PictureError, Stage};
@@ -66,6 +67,8 @@ struct Desk {
     answers: BTreeMap<ClientId, u64>,
     /// Cancel flag of the work that an edit makes stale.
     stale: Option<Arc<AtomicBool>>,
+    /// Cancel flags of error maps in the making, which an edit makes stale, too.
+    asked: Vec<Arc<AtomicBool>>,
     /// Cancel flag of any work.
     working: Option<Arc<AtomicBool>>,
     ended: bool,
@@ -74,6 +77,13 @@ struct Desk {
 impl Shared {
     fn desk(&self) -> MutexGuard<'_, Desk> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Desk {
+    /// Cancels every error map in the making.
+    fn give_up_answers(&mut self) {
+        self.asked.drain(..).for_each(|flag| flag.store(true, Ordering::Relaxed));
     }
 }
 
@@ -93,6 +103,7 @@ impl Session {
             last_edit: Instant::now(),
             answers: BTreeMap::new(),
             stale: None,
+            asked: Vec::new(),
             working: None,
             ended: false,
         };
@@ -120,6 +131,7 @@ impl Session {
         if let Some(flag) = &desk.stale {
             flag.store(true, Ordering::Relaxed);
         }
+        desk.give_up_answers();
         // A move is told by the next picture.
         let tells =
             change > Change::View || matches!(edit, Edit::Crop { .. } | Edit::Planes { .. } | Edit::Undo | Edit::Redo);
@@ -166,10 +178,37 @@ impl Session {
         self.control.run(|| export.make(&file, &title, (&scene, &view), &*renderer))
     }
 
+    /// Compares the picture at rest with the reference on a grid of its pixels. The next edit, and the end of the session, cancel it.
+    ///
+    /// # Errors
+    /// A picture that cannot be drawn, a scene that has no reference, or [`RenderError::Cancelled`].
+    pub fn error_map(&self) -> Result<ErrorMap, ErrorMapError> {
+        let control = Control::default();
+        let flag = control.cancel_flag();
+        let (scene, view, stages) = {
+            let mut desk = self.shared.desk();
+            if desk.ended {
+                return Err(RenderError::Cancelled.into());
+            }
+            desk.asked.push(Arc::clone(&flag));
+            let d = &desk.document;
+            (d.scene().clone(), d.view().clone(), d.stages())
+        };
+        let found = stages.map_err(ErrorMapError::from).and_then(|stages| {
+            let renderer = stages.proven.map_or(stages.sharp, |(renderer, _)| renderer);
+            let compare = || ErrorMap::of((&scene, &view), &*renderer, &control);
+            let found = self.control.run(|| control.cancellable(compare));
+            Ok(found.unwrap_or_else(|stopped| Err(stopped.into()))?)
+        });
+        self.shared.desk().asked.retain(|asked| !Arc::ptr_eq(asked, &flag));
+        found
+    }
+
     /// Ends the work in progress, and the thread.
     pub fn end(&self) {
         let mut desk = self.shared.desk();
         desk.ended = true;
+        desk.give_up_answers();
         if let Some(flag) = &desk.working {
             flag.store(true, Ordering::Relaxed);
         }

@@ -221,3 +221,59 @@ fn it_fits_narrow_and_wide_screens_in_both_themes() {
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
     running.end();
 }
+
+#[test]
+fn an_error_map_lies_over_the_picture_at_rest() {
+    let Some((running, mut browser)) = opened("hydrogen") else { return };
+    let there = "window.vr.errorMap.found !== null && !document.getElementById('errors').hidden";
+    let legend = "document.getElementById('error-legend').innerText";
+    assert_eq!(browser.value(there), false);
+    // A key asks for it.
+    browser.value("document.getElementById('picture').focus()");
+    browser.key("e", 0);
+    browser.wait(there);
+    let text = browser.value(legend).as_str().unwrap().to_owned();
+    let max = number(&mut browser, "window.vr.errorMap.found.max");
+    assert!(text.contains("/255") && text.contains("4096 of") && max > 0.0 && max <= 4e-3, "{text} {max}");
+    // Marks lie at their pixels, in their colours; a few are covered by their neighbours.
+    let colored = "(() => { const { pixels, colors, size } = window.vr.errorMap.found; const c = document.getElementById('errors'); \
+                   const d = c.getContext('2d').getImageData(0, 0, ...size).data; let same = 0; \
+                   pixels.forEach(([x, y], i) => { const k = 4 * (y * size[0] + x); \
+                   if (colors[i].every((n, j) => d[k + j] === n) && d[k + 3] === 255) same += 1; }); return same / pixels.length; })()";
+    let share = number(&mut browser, colored);
+    assert!(share > 0.8, "{share} of the marks are seen at their pixels");
+    assert_eq!(browser.value("document.getElementById('error-map').ariaPressed"), "true");
+    assert_truth(&mut browser);
+    // A move takes it away, and rest brings that of the new picture.
+    let before = picture(&mut browser);
+    browser.value(
+        "window.vr.seen = []; new MutationObserver(() => window.vr.seen.push(document.getElementById('errors').hidden))\
+                   .observe(document.getElementById('errors'), { attributes: true, attributeFilter: ['hidden'] }); 0",
+    );
+    browser.key("ArrowLeft", 0);
+    settled(&mut browser, before);
+    browser.wait(there);
+    assert_eq!(browser.value("window.vr.seen.includes(true)"), true, "it was taken away meanwhile");
+    assert_truth(&mut browser);
+    for scheme in ["dark", "light"] {
+        if let Some(folder) = std::env::var_os("VR_SCREENSHOTS") {
+            for [width, height] in [[360, 740], [1280, 800]] {
+                let address = format!("http://{}/{}/", running.address, running.token);
+                browser.open(&address, [width, height], scheme);
+                rest(&mut browser);
+                browser.value("document.getElementById('error-map').click()");
+                browser.wait(there);
+                let path = std::path::Path::new(&folder).join(format!("errors-{scheme}-{width}.png"));
+                std::fs::write(path, browser.screenshot()).unwrap();
+            }
+        }
+    }
+    // The button takes it away for good.
+    if browser.value("window.vr.errorMap.on") == true {
+        browser.value("document.getElementById('error-map').click()");
+    }
+    assert_eq!(browser.value(there), false);
+    assert_eq!(browser.value("document.getElementById('error-legend').hidden"), true);
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+    running.end();
+}

@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 
 use tungstenite::client::IntoClientRequest;
 use tungstenite::protocol::WebSocket;
-use vr_core::{Control, StudiedRenderer};
-use vr_io::{SceneFile, VolumeSource};
+use vr_core::{Control, Frame, StudiedRenderer};
+use vr_io::{LoadedScene, SceneFile, VolumeSource};
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
 use vr_study::stated::StatedRenderer;
@@ -45,9 +45,15 @@ pub fn document(name: &str, size: usize, pixels: [u32; 2]) -> Document {
 
 /// What `vr render --scene` draws from the text of a scene file: read anew, with nothing kept from any session.
 pub fn drawn_anew(text: &str) -> ([u32; 2], Vec<u8>) {
+    let (loaded, frame) = frame_anew(text);
+    (frame.size(), vr_io::screen_rgba(&frame, loaded.scene.background))
+}
+
+/// The same, and its frame in linear light.
+pub fn frame_anew(text: &str) -> (LoadedScene, Frame) {
     let file = vr_io::parse_scene(text, Path::new("saved")).unwrap();
     let loaded = vr_io::resolve_scene(&file, Path::new("")).unwrap();
-    let name = loaded.renderer.unwrap();
+    let name = loaded.renderer.as_deref().unwrap();
     let renderers = renderers().all;
     let renderer = renderers.iter().find(|r| r.name() == name).unwrap().with_options(&loaded.options).unwrap();
     let control = Control::default();
@@ -56,7 +62,7 @@ pub fn drawn_anew(text: &str) -> ([u32; 2], Vec<u8>) {
         None => renderer.prepare(&loaded.scene, &control),
     };
     let frame = prepared.unwrap().render(&loaded.view, &control).unwrap().frame;
-    (frame.size(), vr_io::screen_rgba(&frame, loaded.scene.background))
+    (loaded, frame)
 }
 
 /// A session, and what it tells.

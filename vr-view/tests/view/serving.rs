@@ -100,6 +100,27 @@ fn what_is_saved_is_what_is_shown() {
 }
 
 #[test]
+fn an_error_map_is_told_when_asked_for() {
+    let running = Running::new(document("blobs", 16, [40, 30]), true);
+    let answer = running.get("truth/error-map");
+    assert!(answer.status == 200 && answer.head.to_lowercase().contains("content-type: application/json"));
+    let map: Value = serde_json::from_slice(&answer.body).unwrap();
+    assert_eq!((&map["size"], &map["parts"]), (&serde_json::json!([40, 30]), &serde_json::json!([40, 30])));
+    // So small a picture is compared whole.
+    for list in ["pixels", "errors", "colors"] {
+        assert_eq!(map[list].as_array().unwrap().len(), 40 * 30, "{list}");
+    }
+    let errors = map["errors"].as_array().unwrap().iter().map(|e| e.as_f64().unwrap());
+    let max = map["max"].as_f64().unwrap();
+    assert!(max > 0.0 && max <= 4e-3 && errors.fold(0.0, f64::max) == max, "{max}");
+    assert_eq!(running.get("truth/else").status, 404);
+    let wrong =
+        running.request(&format!("GET /{}/truth/error-map HTTP/1.1\nHost: {}", "0".repeat(32), running.address));
+    assert_eq!(wrong.status, 404);
+    running.end();
+}
+
+#[test]
 fn two_pages_see_each_others_edits() {
     let running = Running::new(document("fog", 8, [16, 16]), true);
     let (mut one, mut other) = (running.connect(), running.connect());

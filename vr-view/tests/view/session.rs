@@ -2,10 +2,13 @@
 
 use std::time::{Duration, Instant};
 
+use vr_core::{Control, Model, RenderError};
 use vr_io::ShadingSection;
-use vr_view::session::{Edit, Export, Output, PictureError, Quality, Side, Stage};
+use vr_physics::Reference;
+use vr_study::error_colors;
+use vr_view::session::{Edit, ErrorMap, ErrorMapError, Export, Output, PictureError, Quality, Side, Stage};
 
-use crate::common::{Watched, document, drawn_anew};
+use crate::common::{Watched, document, drawn_anew, frame_anew};
 
 #[test]
 fn a_picture_sharpens_until_it_is_proven() {
@@ -153,4 +156,72 @@ fn an_hour_in_little_leaves_pictures_right() {
         }
     }
     assert!(done > 250 && last == 400, "{done} edits were made");
+}
+
+/// Error of pixels of the saved scene, drawn anew, against the reference: independent of any error map.
+fn errors_anew(watched: &Watched, pixels: &[[u32; 2]]) -> Vec<f64> {
+    let text = String::from_utf8(watched.session.export(Export::Scene).unwrap()).unwrap();
+    let (loaded, frame) = frame_anew(&text);
+    let control = Control::default();
+    let solution =
+        Reference::default().solve_pixels(&loaded.scene, &loaded.view, &Model::Canonical, pixels, &control).unwrap();
+    let error = |(&[x, y], pixel): (&[u32; 2], &vr_physics::Pixel)| {
+        (0..4).map(|c| (f64::from(frame.pixel(x, y)[c]) - pixel.rgba[c]).abs()).fold(0.0, f64::max)
+    };
+    pixels.iter().zip(&solution.pixels).map(error).collect()
+}
+
+#[test]
+fn an_error_map_tells_the_errors_of_the_picture_at_rest() {
+    let watched = Watched::of(document("hydrogen", 24, [100, 50]));
+    let mut largest = Vec::new();
+    for (number, quality) in (1..).zip([Quality::Draft, Quality::Proven]) {
+        watched.session.apply(1, number, &Edit::Quality { quality }).unwrap();
+        let map: ErrorMap = watched.session.error_map().unwrap();
+        assert_eq!((map.size, map.parts, map.pixels.len()), ([100, 50], [64, 50], 64 * 50));
+        assert_eq!(map.renderer, "raycast");
+        // Each error is that of its pixel, and has its colour.
+        let errors = errors_anew(&watched, &map.pixels);
+        for (i, (&error, told)) in errors.iter().zip(&map.errors).enumerate() {
+            let told = told.expect("this reference has no noise");
+            assert!((told - error).abs() < 1e-12, "{i}: {told} {error}");
+            let [r, g, b] = error_colors::color(told);
+            let pixel = vr_core::Frame::new([1, 1], vec![[r, g, b, 1.0]], None);
+            assert_eq!(map.colors[i], vr_io::screen_rgba(&pixel, [0.0; 3])[..3], "{i}");
+        }
+        assert!((map.max - errors.iter().copied().fold(0.0, f64::max)).abs() < 1e-12);
+        assert_eq!((map.ends, map.legend.len()), ([1e-7, 1e-1], 61));
+        assert!(map.legend.windows(2).all(|two| two[0] != two[1]), "the legend tells errors apart");
+        largest.push(map.max);
+    }
+    let [draft, proven] = largest[..] else { unreachable!() };
+    assert!(proven <= 4e-3 && draft > proven && proven > 0.0, "{draft} {proven}");
+}
+
+#[test]
+fn an_error_map_that_an_edit_makes_stale_is_cancelled() {
+    let watched = Watched::of(document("hydrogen", 24, [900, 900]));
+    let whole = Instant::now();
+    watched.session.error_map().unwrap();
+    let whole = whole.elapsed();
+    std::thread::scope(|scope| {
+        let start = Instant::now();
+        let asked = scope.spawn(|| watched.session.error_map());
+        // Edits until one has come after the question.
+        for number in 1.. {
+            std::thread::sleep(Duration::from_millis(5));
+            watched.session.apply(1, number, &Edit::Orbit { right: 1.0, up: 0.0 }).unwrap();
+            if asked.is_finished() {
+                break;
+            }
+        }
+        let outcome = asked.join().unwrap();
+        assert!(matches!(outcome, Err(ErrorMapError::Render(RenderError::Cancelled))), "{:?}", outcome.map(|m| m.max));
+        assert!(start.elapsed() < whole, "{:?} of {whole:?}", start.elapsed());
+    });
+    // The next question is answered, and none after the end.
+    watched.session.apply(1, 9_999, &Edit::Size { size: [20, 20] }).unwrap();
+    assert_eq!(watched.session.error_map().unwrap().size, [20, 20]);
+    watched.session.end();
+    assert!(matches!(watched.session.error_map(), Err(ErrorMapError::Render(RenderError::Cancelled))));
 }
