@@ -82,7 +82,7 @@ export class ErrorMap {
     // The legend, its ticks, and where the largest error stands.
     const [low, high] = ends.map(Math.log10);
     const place = (error) => `${100 * Math.min(Math.max((Math.log10(error) - low) / (high - low), 0), 1)}%`;
-    byId("error-bar").style.background = `linear-gradient(to right, ${legend.map((c) => `rgb(${c.join(" ")})`).join(", ")})`;
+    byId("error-bar").style.backgroundImage = `linear-gradient(to right, ${legend.map((c) => `rgb(${c.join(" ")})`).join(", ")})`;
     const ticks = TICKS.map((count) => {
       const tick = Object.assign(document.createElement("span"), { textContent: String(count) });
       tick.style.left = place(count / 255);

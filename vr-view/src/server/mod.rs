@@ -1,6 +1,6 @@
 //! Server: one session before browsers, on this machine unless told otherwise.
 //!
-//! Plain `GET` for the page and for files to be saved, a WebSocket for edits and pictures. Every address begins with a random [token](Token), and every
+//! Plain `GET` for the page, for files to be saved and for error maps, a WebSocket for edits and pictures. Every address begins with a random [token](Token), and every
 //! request is checked (`guard`).
 
 mod error_map;

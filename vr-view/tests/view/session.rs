@@ -200,7 +200,7 @@ fn an_error_map_tells_the_errors_of_the_picture_at_rest() {
 
 #[test]
 fn an_error_map_that_an_edit_makes_stale_is_cancelled() {
-    let watched = Watched::of(document("hydrogen", 24, [900, 900]));
+    let watched = Watched::of(document("hydrogen", 24, [600, 600]));
     let whole = Instant::now();
     watched.session.error_map().unwrap();
     let whole = whole.elapsed();
