@@ -10,6 +10,7 @@ use vr_io::{
     LoadedScene, PngOptions, SceneFile, TRANSFER_EXTENSIONS, TransferPoints, TransferSection, TransferSource,
     VolumeSection,
 };
+use vr_look::Histogram;
 
 use crate::args::TfArgs;
 use crate::console::Console;
@@ -20,7 +21,6 @@ use crate::overrides::names_file;
 use crate::scene_setup::{Origin, title};
 use crate::table::Table;
 use crate::{number, output_file, tf_picture, tf_plane};
-use vr_look::Histogram;
 
 /// Bins of the histogram behind a drawing.
 const BINS: usize = 256;

@@ -1,10 +1,10 @@
 //! Drawing of a transfer function: its opacity in its colours, over the histogram of a volume, above a band of the colours.
 
 use vr_core::{Frame, TransferFunction};
+use vr_look::Histogram;
 
 use crate::canvas::Canvas;
 use crate::{number, text};
-use vr_look::Histogram;
 
 /// Size of the picture.
 const SIZE: [u32; 2] = [800, 420];

@@ -44,7 +44,7 @@ pub fn run(args: &ViewArgs, console: Console, control: &Control) -> Result<(), F
     server.run(document, control, args.page.stay).map_err(Failure::failed)
 }
 
-/// What is looked at: the scene with nothing left open. Where nothing else is asked for, the picture at rest is proven.
+/// Returns the scene to look at, with nothing left open. Its picture at rest is proven, unless something else is asked for.
 fn subject(setup: &Setup, args: &ViewArgs, console: Console) -> Result<Subject, Failure> {
     let Configured { mut stated, max_error, options, .. } = setup.renderer(&args.renderer, console)?;
     if max_error.is_none() && options.0.is_empty() && args.renderer.quality.is_none() {

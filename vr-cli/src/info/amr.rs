@@ -3,11 +3,11 @@
 use serde::Serialize;
 use vr_core::AmrGrid;
 use vr_io::LoadedVolume;
+use vr_look::Histogram;
 
 use crate::info::facts::Facts;
 use crate::info::lines::COLUMNS;
 use crate::number;
-use vr_look::Histogram;
 
 /// Description of an adaptive mesh.
 #[derive(Serialize)]

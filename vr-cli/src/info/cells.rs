@@ -4,11 +4,11 @@ use serde::Serialize;
 use vr_core::CellMesh;
 use vr_core::cells::{CellValues, NO_CELL};
 use vr_io::LoadedVolume;
+use vr_look::Histogram;
 
 use crate::info::facts::Facts;
 use crate::info::lines::COLUMNS;
 use crate::number;
-use vr_look::Histogram;
 
 /// Description of a mesh of cells.
 #[derive(Serialize)]

@@ -4,11 +4,11 @@ use glam::DVec3;
 use serde::Serialize;
 use vr_core::transfer::Preset;
 use vr_io::{FileInfo, LoadedVolume};
+use vr_look::Histogram;
 use vr_look::Survey;
 
 use crate::info::lines::Lines;
 use crate::number;
-use vr_look::Histogram;
 
 /// Title, file, box, look and presets of a volume.
 #[derive(Serialize)]

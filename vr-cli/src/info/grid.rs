@@ -6,6 +6,7 @@ use serde::Serialize;
 use vr_core::transfer::Preset;
 use vr_core::{Calibration, ColorGrid, GridVolume, VoxelType};
 use vr_io::{FileInfo, LoadedVolume, PngOptions};
+use vr_look::Histogram;
 use vr_look::{Look, Survey};
 
 use crate::args::InfoArgs;
@@ -16,7 +17,6 @@ use crate::info::lines::{COLUMNS, Lines};
 use crate::info::slices;
 use crate::inputs::Inputs;
 use crate::number;
-use vr_look::Histogram;
 
 /// Number of bins of the histogram in a picture.
 const FINE: usize = 256;

@@ -4,11 +4,11 @@ use serde::Serialize;
 use vr_core::RectilinearGrid;
 use vr_core::resample::Integral;
 use vr_io::LoadedVolume;
+use vr_look::Histogram;
 
 use crate::info::facts::Facts;
 use crate::info::lines::COLUMNS;
 use crate::number;
-use vr_look::Histogram;
 
 /// Description of a rectilinear grid.
 #[derive(Serialize)]

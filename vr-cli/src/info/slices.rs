@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 use vr_core::{Frame, GridVolume, Voxel, with_grid};
+use vr_look::Histogram;
 
 use crate::canvas::Canvas;
 use crate::error_scale::{GAP, INK, PAPER};
-use vr_look::Histogram;
 
 /// Pixels along the longest side of a slice.
 const SIDE: u32 = 320;

@@ -91,31 +91,22 @@ impl SceneFile {
     /// The same scene without folders: files by their names alone, and a DICOM series, as `info` tells it, without even one.
     #[must_use]
     pub fn without_folders(mut self, info: Option<&FileInfo>) -> Self {
-        if let Some(VolumeSource::File(source)) = &mut self.volume.source {
-            if info.is_some_and(|info| info.format == "DICOM") {
-                source.path = DICOM_NAME.into();
-                // A number tells series of one scan apart; a UID is found in the patient's records.
-                let is_number =
-                    |series: &String| series.len() <= MAX_SERIES_DIGITS && series.bytes().all(|c| c.is_ascii_digit());
-                source.series = source.series.take().filter(is_number);
-            } else {
-                source.path = name_of(&source.path);
-            }
-        }
-        if let Some(mesh) = &mut self.mesh {
-            mesh.path = name_of(&mesh.path);
-        }
-        if let Some(map) = self.scattering.as_mut().and_then(|scattering| scattering.environment_map.as_mut()) {
-            *map = name_of(map);
+        if let Some(VolumeSource::File(source)) = &mut self.volume.source
+            && info.is_some_and(|info| info.format == "DICOM")
+        {
+            source.path = DICOM_NAME.into();
+            // A number tells series of one scan apart; a UID is found in the patient's records.
+            let is_number =
+                |series: &String| series.len() <= MAX_SERIES_DIGITS && series.bytes().all(|c| c.is_ascii_digit());
+            source.series = source.series.take().filter(is_number);
         }
         if let Some(labels) = &mut self.labels {
-            labels.file = name_of(&labels.file);
             labels.names = labels.names.as_deref().map(name_of);
         }
         if let Some(file) = self.transfer.as_mut().and_then(|transfer| transfer.file.as_mut()) {
             *file = name_of(file);
         }
-        self
+        self.with_paths(name_of)
     }
 }
 

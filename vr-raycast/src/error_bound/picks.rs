@@ -137,7 +137,7 @@ impl Course for Search {
     ) {
         self.steps += 1;
         let cubic = Cubic(cubic.0.map(R::to_f64));
-        // As for integrals: roundings of the interpolation, the position, and those of what is made of the cubic here.
+        // Roundings of the interpolation and of the position, as for integrals, and of the cubic's own values and turns.
         let off = place.reach * (2.0 * R::ROUNDOFF * 32.0 + 3.0 * place.misplaced) + f64::EPSILON * place.base.abs();
         match self.wanted {
             Wanted::Extreme(sign) => {

@@ -15,6 +15,8 @@ use super::series::Series;
 pub(super) struct Reflection {
     shading: Arc<Shading>,
     lights: Vec<Light>,
+    /// True if no light has a colour, so that all channels change alike.
+    is_grey: bool,
     /// Rows of the matrix from gradients per index step to the world, by a common factor.
     to_world: [[f64; 3]; 3],
     /// Largest component of reflected light, for colours of at most the largest.
@@ -26,8 +28,6 @@ pub(super) struct Reflection {
 pub(super) struct RayReflection<'a> {
     reflection: &'a Reflection,
     ray: RayShading<f64>,
-    /// True if no light has a colour, so that all channels change alike.
-    is_grey: bool,
 }
 
 /// The gradient along a cell.
@@ -62,12 +62,12 @@ impl Reflection {
         let (matrix, _) = volume.placement().scaled_gradient_matrix(volume.calibration().slope);
         let to_world = std::array::from_fn(|a| matrix.row(a).to_array());
         let brightest = shading.max_radiance(&scene.lights, brightest);
-        Some(Self { shading, lights: scene.lights.clone(), to_world, brightest })
+        let is_grey = scene.lights.iter().all(|light| light.color.iter().all(|c| *c == light.color[0]));
+        Some(Self { shading, lights: scene.lights.clone(), is_grey, to_world, brightest })
     }
 
     pub(super) fn along(&self, direction: DVec3) -> RayReflection<'_> {
-        let is_grey = self.lights.iter().all(|light| light.color.iter().all(|c| *c == light.color[0]));
-        RayReflection { reflection: self, ray: self.shading.along(&self.lights, direction), is_grey }
+        RayReflection { reflection: self, ray: self.shading.along(&self.lights, direction) }
     }
 }
 
@@ -140,12 +140,12 @@ impl RayReflection<'_> {
             // A headlight's half vector is the direction to it.
             let half = if light.half == light.to_light { to_light } else { cosine(&gradient, &light.half, &inverse) };
             let (facing, highlight) = (to_light.times(ray.diffuse), raised(&half, ray.power).times(ray.specular));
-            for c in 0..if self.is_grey { 1 } else { 3 } {
+            for c in 0..if self.reflection.is_grey { 1 } else { 3 } {
                 reflected.factor[c] = reflected.factor[c].plus(&facing.times(light.color[c]));
                 reflected.added[c] = reflected.added[c].plus(&highlight.times(light.color[c]));
             }
         }
-        if self.is_grey {
+        if self.reflection.is_grey {
             reflected = Reflected { factor: [reflected.factor[0]; 3], added: [reflected.added[0]; 3] };
         }
         reflected

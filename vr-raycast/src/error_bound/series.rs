@@ -162,7 +162,7 @@ mod tests {
         let x = Series { c: [0.9, 0.01, 0.005, -0.002], rest: 0.0 };
         let root = x.inverse_root().unwrap();
         assert!((root.c[1] - x.power(-0.5).unwrap().c[1]).abs() < 1e-15);
-        // What squares have beyond t³ is a few products of the smaller coefficients.
+        // Squares leave out a few products of the smaller coefficients, beyond t³.
         assert!(root.rest < 5e-5, "{root:?}");
         assert!(Series { c: [0.9, 0.4, 0.1, 0.0], rest: 0.0 }.power(2.0).is_none());
         assert!(Series::between(-0.1, 0.5).magnitude().is_none());

@@ -18,7 +18,7 @@ pub(super) struct Medium<'a, T> {
     pub(super) blocks: &'a Blocks,
 }
 
-/// What is gathered along a ray, from the eye into the depth.
+/// Sum or search along a ray, which takes its blocks and cells in turn, from the eye into the depth.
 pub(super) trait Course {
     /// True if nothing more is to be done.
     fn is_done(&self) -> bool;

@@ -88,7 +88,7 @@ impl Tile<'_> {
                     for column in inside(covered.columns, x) {
                         let lane = (row * EDGE + column) as usize % LANES;
                         let block = &self.blocks[number];
-                        // As `Passing` has it.
+                        // The same as in `Passing`.
                         let u = block.lateral[0].0[lane] * lever - at.place[0];
                         let v = block.lateral[1].0[lane] * lever - at.place[1];
                         let square = u * u * across_square + u * v * across_both + v * v * up_square;

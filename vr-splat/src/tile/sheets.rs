@@ -144,7 +144,7 @@ impl Tile<'_> {
         add(simd, channels, section.whole, value, optics);
         match (channels, section.reach) {
             ([_, to_back, to_front], Some(reach)) => {
-                // Of a sheet that is covered all through, no support covers more.
+                // A sheet that is covered all through cannot be covered any further.
                 let is_open = self.filled[slot] >> number & 1 == 0;
                 if is_open && covers_all(simd, [to_back, to_front], reach) {
                     self.filled[slot] |= 1 << number;

@@ -30,7 +30,7 @@ pub enum Told<'a> {
         /// Version of the program: a page of another one is to load itself anew.
         version: &'static str,
     },
-    /// What was opened.
+    /// The scene was opened.
     Opened {
         /// All that edits do not change.
         opened: &'a Opened,
@@ -40,7 +40,7 @@ pub enum Told<'a> {
         /// The scene.
         state: &'a State,
     },
-    /// What is known of the error of a picture that was sent before.
+    /// The error of a picture that was sent before.
     Error {
         /// Number of the picture.
         picture: u64,

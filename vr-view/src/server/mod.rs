@@ -137,7 +137,7 @@ impl Server {
     }
 }
 
-/// What requests share.
+/// State that all requests share.
 #[derive(Clone)]
 struct Service {
     session: Arc<Session>,
@@ -153,7 +153,7 @@ struct Service {
 }
 
 impl Service {
-    /// What was opened: found out once, beside the first pictures.
+    /// Description of the scene as it was opened: made once, beside the first pictures.
     async fn opened(&self) -> &Opened {
         let make = || async {
             let session = Arc::clone(&self.session);

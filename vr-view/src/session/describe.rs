@@ -1,4 +1,4 @@
-//! What a page is told of a scene: once what was opened, and the rest with each change.
+//! Descriptions of a scene for a page: one when it is opened, and its state after each change.
 
 use glam::DVec3;
 use serde::Serialize;

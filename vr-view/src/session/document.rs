@@ -105,7 +105,7 @@ impl Document {
         &self.view
     }
 
-    /// What was opened.
+    /// The volume and the scene that were opened.
     pub fn subject(&self) -> &Arc<Subject> {
         &self.subject
     }

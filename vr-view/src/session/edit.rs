@@ -89,7 +89,7 @@ pub enum Edit {
     AutomaticLook,
     /// Sets shading and lights.
     Shading {
-        /// As scene files state them.
+        /// The section of a scene file.
         shading: ShadingSection,
     },
     /// Sets the world box that is kept.

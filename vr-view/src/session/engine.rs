@@ -27,7 +27,7 @@ const REST: Duration = Duration::from_millis(100);
 /// Parts along each side of a picture at rest, of each of which a pixel is compared with the reference: enough for a figure within a second.
 const COMPARED: u32 = 24;
 
-/// What a session tells: to one client, or to all.
+/// News from a session, for one client or for all.
 #[derive(Clone)]
 pub enum Output {
     /// A new picture.
@@ -36,7 +36,7 @@ pub enum Output {
     Error {
         /// Number of the picture.
         picture: u64,
-        /// What is known now.
+        /// Its error, as it is known now.
         error: PictureError,
     },
     /// The scene after a change.
@@ -58,7 +58,7 @@ struct Shared {
     tell: Box<dyn Fn(Output) + Send + Sync>,
 }
 
-/// What the thread and the callers share.
+/// State that the thread and the callers share.
 struct Desk {
     document: Document,
     /// Counts edits that change the picture.
@@ -154,7 +154,7 @@ impl Session {
         State::of(&self.shared.desk().document, None)
     }
 
-    /// What was opened: all that edits do not change.
+    /// Describes the scene as it was opened: all that edits do not change.
     pub fn opened(&self) -> Opened {
         // Counting voxels takes a while, and needs no lock.
         let (subject, scene) = {
@@ -252,7 +252,7 @@ struct Slot {
     prepared: Box<dyn Prepared>,
 }
 
-/// What is known of the last revision that was drawn at all.
+/// Progress of the last revision that was drawn at all.
 struct Progress {
     revision: u64,
     /// The stage that is done, and the size of its picture; `None` where drawing has failed, so that nothing further is tried.

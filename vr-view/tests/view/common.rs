@@ -43,7 +43,7 @@ pub fn document(name: &str, size: usize, pixels: [u32; 2]) -> Document {
     Document::new(Arc::new(phantom(name, size, pixels)), Arc::new(renderers())).unwrap()
 }
 
-/// What `vr render --scene` draws from the text of a scene file: read anew, with nothing kept from any session.
+/// Picture that `vr render --scene` draws from the text of a scene file: read anew, with nothing kept from any session.
 pub fn drawn_anew(text: &str) -> ([u32; 2], Vec<u8>) {
     let (loaded, frame) = frame_anew(text);
     (frame.size(), vr_io::screen_rgba(&frame, loaded.scene.background))

@@ -28,7 +28,7 @@ fn a_picture_sharpens_until_it_is_proven() {
     let proven = watched.picture(Stage::Proven, 0);
     let PictureError::Proven { bound, rmse: Some(rmse) } = proven.head.error else { panic!("{:?}", proven.head) };
     assert!(bound == 4e-3 && rmse < 4e-3);
-    // What a draft is off by is known from then on.
+    // The error of a draft can be estimated from then on.
     watched.session.apply(1, 1, &Edit::Orbit { right: 3.0, up: 1.0 }).unwrap();
     let draft = watched.picture(Stage::Draft, 1);
     let PictureError::Estimated { rmse } = draft.head.error else { panic!("{:?}", draft.head) };

@@ -32,8 +32,8 @@ const MOSTLY: f64 = 0.9;
 /// a time, until nothing bends: one ray that meets a thin line finds all of it. Third, every pixel is traced in cells in which [`ThinParts`] show. How much is
 /// still missed is measured by the tests.
 ///
-/// Where nearly all cells that show anything are refined, every pixel in them is traced at once. Packets of neighbouring pixels are so much faster than those
-/// of every other pixel that nothing would be saved.
+/// If nearly all cells that show anything are to be refined, every pixel in them is traced at once: packets of neighbouring pixels are so much faster than
+/// packets of every other pixel that leaving some out would save nothing.
 ///
 /// A threshold of 0 traces every pixel. Cells in which an opaque layer shows are traced whole: layers have edges that no corner
 /// tells of. Depth is interpolated linearly where both neighbours have one, and taken from one of them elsewhere.
