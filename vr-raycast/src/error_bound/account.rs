@@ -2,6 +2,9 @@
 
 use super::step::Step;
 
+/// Share of the error asked for that a step may always have. Shares leave a tenth, in which as many steps as a ray may take have room.
+const NEGLIGIBLE: f64 = 1e-6;
+
 /// Limits of a ray's error and light, the same for all rays of a view.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
@@ -105,7 +108,8 @@ impl Account {
         let left = self.transmittance * (1.0 - step.opacity);
         let cut = if 1.0 - left >= self.limits.level { step.opacity * step.variation } else { 0.0 };
         let cost = self.transmittance * (step.light_error + step.opacity_error * self.max_light(s) + cut);
-        self.error + cost <= self.share(s + step.length, left)
+        // Half of a part in which nothing is known costs half as much, and has half the share: halving alone would never end.
+        cost <= NEGLIGIBLE * self.budget() || self.error + cost <= self.share(s + step.length, left)
     }
 
     /// True if shorter steps would do no better: most of the error is rounding.

@@ -2,8 +2,10 @@
 
 mod account;
 mod blocks;
+mod cone;
 mod crossed;
 mod cubic;
+mod first;
 pub(crate) mod optics;
 mod packets;
 mod picks;
@@ -28,6 +30,7 @@ use crate::capabilities::unsupported;
 use crate::tracer::{RaySample, Tracer};
 use account::{Account, Limits};
 use blocks::Blocks;
+use first::FirstSearch;
 use optics::Optics;
 use packets::{BoundedPackets, PacketView};
 use picks::{Search, Wanted};
@@ -47,24 +50,30 @@ pub(crate) struct ErrorBound {
     packets: Option<BoundedPackets>,
     error: f64,
     level: f64,
-    /// Value that is picked from each ray; `None` if light is gathered.
-    wanted: Option<Wanted>,
+    sought: Sought,
+}
+
+/// Result of each ray.
+#[derive(Clone, Copy, Debug)]
+enum Sought {
+    /// Light that is gathered.
+    Light,
+    Value(Wanted),
+    /// The first place where the field reaches this value.
+    First(f64),
 }
 
 impl ErrorBound {
     /// Checks that there are bounds for a scene. Returns the level at which light ends.
     ///
     /// # Errors
-    /// [`RenderError::Unsupported`] for what there is no bound for: the operator first, other filters than trilinear
-    /// and nearest, opacity by gradient, and emission given on its own under accumulate.
+    /// [`RenderError::Unsupported`] for what there is no bound for: other filters than trilinear and nearest, opacity by gradient, and emission given on its own under accumulate.
     pub(crate) fn check(scene: &Scene, volume: &GridVolume) -> Result<f64, RenderError> {
         let without =
             |what: String| Err(unsupported(Feature::MaxError, format!("a promised error (max-error) {what}")));
         let level = match scene.compositing {
-            Compositing::Over => 1.0,
             Compositing::Accumulate { level } => level,
-            Compositing::Maximum | Compositing::Minimum | Compositing::Average => 1.0,
-            other => return without(format!("under compositing '{}'", other.name())),
+            _ => 1.0,
         };
         let filter = volume.filter();
         if !matches!(filter, Filter::Trilinear | Filter::Nearest) {
@@ -97,12 +106,20 @@ impl ErrorBound {
         let largest = f64::from(low.abs().max(high.abs()));
         let optics = Optics::new(&scene.transfer, volume.calibration(), largest);
         let blocks = Blocks::new(volume, &optics);
-        let reflection = Reflection::new(scene, volume, optics.brightest);
         // A ray that is cut needs more than the account of its sum, and reflected light more than that of a function of the value.
-        let wanted = Wanted::by(scene.compositing, volume.calibration());
-        let in_packets = level >= 1.0 && reflection.is_none() && wanted.is_none();
+        let sought = match scene.compositing {
+            Compositing::First { threshold } => Sought::First(threshold),
+            other => Wanted::by(other, volume.calibration()).map_or(Sought::Light, Sought::Value),
+        };
+        // A surface shows colours, whatever the medium emits.
+        let brightest = match sought {
+            Sought::First(_) => scene.transfer.brightest_color(),
+            _ => optics.brightest,
+        };
+        let reflection = Reflection::new(scene, volume, brightest);
+        let in_packets = level >= 1.0 && reflection.is_none() && matches!(sought, Sought::Light);
         let packets = vectors.filter(|_| in_packets).and_then(|v| BoundedPackets::new(v, volume, &optics, &blocks));
-        Ok(Self { volume: Arc::clone(volume), optics, reflection, blocks, packets, error, level, wanted })
+        Ok(Self { volume: Arc::clone(volume), optics, reflection, blocks, packets, error, level, sought })
     }
 
     /// Error that a ray may have: less what storing a pixel as f32 takes.
@@ -204,10 +221,13 @@ impl BoundedRays<'_> {
         let backdrop = layer.map_or(0.0, |l| f64::from(backdrop(l, spot.pixel)));
         let value = part.map_or(RaySample::NOTHING, |part| {
             counts.rays += 1;
-            if let Some(wanted) = self.error_bound.wanted {
+            if let Sought::Value(wanted) = self.error_bound.sought {
                 return self.picked(&part, wanted, counts);
             }
             let reflection = self.error_bound.reflection.as_ref().map(|r| r.along(ray.direction));
+            if let Sought::First(threshold) = self.error_bound.sought {
+                return self.first(&part, reflection, threshold, counts);
+            }
             let account = self.both_stages(BoundedRay { part, reflection, backdrop }, single, counts);
             counts.terminated += u64::from(account.ended);
             let [r, g, b] = account.light;
@@ -230,6 +250,26 @@ impl BoundedRays<'_> {
             counts.count_unbounded(off);
         }
         RaySample { rgba: rgba.map(|x| x as f32), depth: (search.distance + ray.offset) as f32 }
+    }
+
+    /// Shows the first place of a ray where the field reaches a threshold.
+    fn first(
+        &self,
+        ray: &IndexRay,
+        reflection: Option<RayReflection<'_>>,
+        threshold: f64,
+        counts: &mut Counts,
+    ) -> RaySample {
+        let search = FirstSearch::new(&self.error_bound.optics, reflection, threshold);
+        let search = self.volume.with_lattice(FirstJob { rays: self, ray, search });
+        counts.samples += search.steps;
+        let colors = self.error_bound.optics.transfer.brightest_color();
+        let brightest = self.error_bound.reflection.as_ref().map_or(colors, |reflection| reflection.brightest);
+        let pixel = search.pixel(brightest);
+        if pixel.off > self.error_bound.ray_error() {
+            counts.count_unbounded(pixel.off);
+        }
+        RaySample { rgba: pixel.rgba.map(|x| x as f32), depth: (pixel.distance + ray.offset) as f32 }
     }
 
     fn medium<'a, T: Voxel>(&'a self, lattice: Lattice<'a, T>) -> Medium<'a, T> {
@@ -307,6 +347,23 @@ impl LatticeVisitor for PickJob<'_> {
 
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output {
         let mut search = Search::new(self.wanted);
+        walk::along::<f64, T>(&self.rays.medium(lattice), self.ray, &mut search);
+        search
+    }
+}
+
+/// Search for the first place of one ray where the field reaches a value.
+struct FirstJob<'a, 'b> {
+    rays: &'a BoundedRays<'a>,
+    ray: &'a IndexRay,
+    search: FirstSearch<'b>,
+}
+
+impl<'b> LatticeVisitor for FirstJob<'_, 'b> {
+    type Output = FirstSearch<'b>;
+
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output {
+        let mut search = self.search;
         walk::along::<f64, T>(&self.rays.medium(lattice), self.ray, &mut search);
         search
     }

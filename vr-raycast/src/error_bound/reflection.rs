@@ -6,9 +6,13 @@ use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::{GradientMethod, GridVolume, Light, RayShading, Scene, Shading, Voxel, gradient_at_sample};
 
+use super::cone::{Cone, Corners};
 use super::crossed::Crossed;
 use super::cubic::Cubic;
 use super::series::Series;
+
+/// Largest rest of 1/|g|, relative to it, at which nothing else is asked.
+const MAX_REST: f64 = 0.01;
 
 /// Reflection in a scene: what holds for all rays.
 #[derive(Clone, Debug)]
@@ -32,11 +36,13 @@ pub(super) struct RayReflection<'a> {
 
 /// The gradient along a cell.
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "there is one at a time, on the stack")]
 pub(super) enum Normals {
     /// None: it is 0 throughout, or the scene does not reflect. Colours stay.
     Absent,
     /// World gradient by the powers of a parameter from 0 to 1 along the cell, relative to its largest component there; each component is off by `off` at most.
-    Along { powers: [[f64; 4]; 3], off: f64 },
+    /// `corners`: those at the samples, which say more where it is nearly 0; `None` where the ray may lie in a face.
+    Along { powers: [[f64; 4]; 3], off: f64, corners: Option<Corners> },
     /// Nothing is known of them.
     Unknown,
 }
@@ -91,15 +97,16 @@ impl RayReflection<'_> {
         };
         // Those of the world, and how large the numbers are that they are sums of.
         let rows = &self.reflection.to_world;
-        let (mut world, mut reach, mut largest) = ([[0.0f64; 8]; 3], 0.0f64, 0.0f64);
+        let (mut world, mut reaches, mut largest) = ([[0.0f64; 8]; 3], [0.0f64; 8], 0.0f64);
         for (i, g) in per_index.iter().enumerate() {
             for (axis, row) in rows.iter().enumerate() {
                 let terms = [row[0] * g[0], row[1] * g[1], row[2] * g[2]];
                 world[axis][i] = terms[0] + terms[1] + terms[2];
-                reach = reach.max(terms[0].abs() + terms[1].abs() + terms[2].abs());
+                reaches[i] = reaches[i].max(terms[0].abs() + terms[1].abs() + terms[2].abs());
                 largest = largest.max(world[axis][i].abs());
             }
         }
+        let reach = reaches.iter().fold(0.0, |m: f64, &r| if r.is_nan() { f64::NAN } else { m.max(r) });
         if !reach.is_finite() {
             return Normals::Unknown;
         }
@@ -115,14 +122,21 @@ impl RayReflection<'_> {
             return Normals::Unknown;
         }
         let off = (64.0 * f64::EPSILON + 6.0 * crossed.misplaced) * (reach / largest);
-        let powers = world.map(|values| Cubic::across_box(values.map(|x| x / largest), &crossed.part).powers());
-        Normals::Along { powers, off }
+        let world = world.map(|values| values.map(|x| x / largest));
+        let powers = world.map(|values| Cubic::across_box(values, &crossed.part).powers());
+        let corners = (!crossed.in_face).then(|| Corners {
+            world,
+            off: reaches.map(|reach| 64.0 * f64::EPSILON * (reach / largest)),
+            part: crossed.part,
+            misplaced: crossed.misplaced,
+        });
+        Normals::Along { powers, off, corners }
     }
 
     /// Returns the change of colours on the part [from, to] of a cell, 0 to 1.
     pub(super) fn on(&self, normals: &Normals, part: [f64; 2]) -> Reflected {
         let ray = &self.ray;
-        let Normals::Along { powers, off } = normals else {
+        let Normals::Along { powers, off, corners } = normals else {
             if matches!(normals, Normals::Absent) {
                 return Reflected { factor: [Series::constant(1.0); 3], added: [Series::constant(0.0); 3] };
             }
@@ -131,14 +145,19 @@ impl RayReflection<'_> {
         let gradient = powers.map(|p| Series::part_of(&p, part, *off));
         let squares = gradient.map(|g| g.product(&g));
         let square = squares[0].plus(&squares[1]).plus(&squares[2]);
-        let Some(inverse) = square.inverse_root() else {
+        let inverse = square.inverse_root();
+        // Where it changes much, the directions at the samples say more.
+        let is_known = inverse.is_some_and(|inverse| inverse.rest <= MAX_REST * inverse.c[0]);
+        let cone = if is_known { None } else { corners.as_ref().and_then(|corners| corners.cone(part)) };
+        if inverse.is_none() && cone.is_none() {
             return self.anything();
-        };
+        }
+        let cosine = |v: &[f64; 3]| cosine(&gradient, v, inverse.as_ref(), cone.as_ref());
         let mut reflected = Reflected { factor: [Series::constant(ray.ambient); 3], added: [Series::constant(0.0); 3] };
         for light in &ray.lights {
-            let to_light = cosine(&gradient, &light.to_light, &inverse);
+            let to_light = cosine(&light.to_light);
             // A headlight's half vector is the direction to it.
-            let half = if light.half == light.to_light { to_light } else { cosine(&gradient, &light.half, &inverse) };
+            let half = if light.half == light.to_light { to_light } else { cosine(&light.half) };
             let (facing, highlight) = (to_light.times(ray.diffuse), raised(&half, ray.power).times(ray.specular));
             for c in 0..if self.reflection.is_grey { 1 } else { 3 } {
                 reflected.factor[c] = reflected.factor[c].plus(&facing.times(light.color[c]));
@@ -178,14 +197,17 @@ fn turns_beyond<T: Voxel>(lattice: &Lattice<'_, T>, crossed: &Crossed, analytic:
     crossed.beyond != [[false; 2]; 3] && beyond(2).any(|z| beyond(1).any(|y| beyond(0).any(|x| turns(x, y, z))))
 }
 
-/// Returns |g·v| · `inverse`, between 0 and 1: the cosine between a gradient and a unit vector.
-fn cosine(gradient: &[Series; 3], v: &[f64; 3], inverse: &Series) -> Series {
+/// Returns the cosine |g·v|/|g|, 0 to 1, between a gradient and a unit vector: as a series by 1/|g|, if that says more than the gradient's cone.
+fn cosine(gradient: &[Series; 3], v: &[f64; 3], inverse: Option<&Series>, cone: Option<&Cone>) -> Series {
+    let mut range = cone.map_or([0.0, 1.0], |cone| cone.cosine(v));
+    let Some(inverse) = inverse else { return Series::between(range[0], range[1]) };
     let [x, y, z] = std::array::from_fn(|a| gradient[a].times(v[a]));
     let towards = x.plus(&y).plus(&z);
     let [low, high] = inverse.range();
     let (middle, spread) = (towards.c[0].abs(), towards.spread());
-    let range = [(middle - spread).max(0.0) * low.max(0.0), ((middle + spread) * high).min(1.0)];
-    let range = Series::between(range[0].min(1.0), range[1]);
+    range[1] = range[1].min((middle + spread) * high);
+    range[0] = range[0].max((middle - spread).max(0.0) * low.max(0.0)).min(range[1]);
+    let range = Series::between(range[0], range[1]);
     towards.magnitude().map_or(range, |m| m.product(inverse).or(range))
 }
 
