@@ -55,7 +55,7 @@ impl Tile<'_> {
                     return;
                 }
                 let divisor = pick(there, divisor, one);
-                let mean = match (self.sheets[at..at + self.channels]).try_into() {
+                let mean = match self.sheets[at..at + self.channels].try_into() {
                     Ok(sums) => Some(sloped_mean::of(simd, sums, divisor)),
                     Err(_) => None,
                 };
