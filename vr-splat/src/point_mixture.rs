@@ -21,19 +21,28 @@ pub(crate) struct MixtureChannels {
     pub(crate) weight: usize,
     /// Sums of red, green and blue.
     pub(crate) color: usize,
-    /// Gradient of the sum of weights (3), where light depends on it.
+    /// Gradient of the sum of weights (3), where light depends on that of a mean.
     pub(crate) thinning: usize,
+    /// Value that those of a mean are differences from, where light depends on its gradient.
+    pub(crate) base: usize,
     /// Number of channels.
     pub(crate) count: usize,
 }
 
 impl MixtureChannels {
-    /// Channels with gradients, or without.
+    /// Number of channels where no light depends on gradients.
+    pub(crate) const PLAIN: usize = Self::new(false, false).count;
+    /// Number of channels of a mean where light depends on its gradient.
+    pub(crate) const SLOPED_MEAN: usize = Self::new(true, true).count;
+
+    /// Channels with gradients, or without, of a mean or a sum.
     #[inline(always)]
-    pub(crate) const fn new(sloped: bool) -> Self {
-        let gradient = if sloped { 3 } else { 0 };
-        let weight = 3 + gradient;
-        Self { slope: 3, weight, color: weight + 1, thinning: weight + 4, count: weight + 4 + gradient }
+    pub(crate) const fn new(sloped: bool, is_mean: bool) -> Self {
+        let weight = if sloped { 6 } else { 3 };
+        let thinning = weight + 4;
+        // Gradient of weights, base, and the largest weight so far.
+        let count = if sloped && is_mean { thinning + 5 } else { thinning };
+        Self { slope: 3, weight, color: weight + 1, thinning, base: thinning + 3, count }
     }
 }
 
@@ -42,9 +51,6 @@ pub(crate) const MIN_KERNEL: f32 = 1e-6;
 
 /// The same of the cubic spline, whose sections keep their digits there: its value where f32 no longer tells a place from the edge.
 pub(crate) const MIN_RIM_KERNEL: f32 = 1e-20;
-
-/// Gradient of a mean, as a part of the two that it is the difference of, below which it is one of rounding: there is none where one point reaches alone.
-pub(crate) const MIN_SLOPE: f32 = 4e-6;
 
 impl PointMixture {
     /// The mixture of visible points; `None` where the field is a sum and there are no colours.

@@ -6,12 +6,12 @@ use vr_kernels::vector::{
     LANES, Lanes, Operator, StepOptics, opacity_of_depth, pick, source_weight, splat, step_light,
 };
 
-use crate::point_mixture::{MIN_SLOPE, MixtureChannels};
+use crate::point_mixture::MixtureChannels;
 use crate::shading::{Pieces, Slope};
 use crate::sheets::AT_LAYER;
 
-use super::Tile;
 use super::painter::{Classifier, Content, VisibleCells};
+use super::{Tile, sloped_mean};
 
 impl Tile<'_> {
     /// Classifies what a sheet between two depths holds in a block, and takes it in.
@@ -43,19 +43,23 @@ impl Tile<'_> {
                     (covered, covered)
                 };
                 // Means are divided by weights.
-                let channels = MixtureChannels::new(shader.is_some());
+                let is_mean = mixture.is_some_and(|mixture| mixture.is_mean);
+                let channels = MixtureChannels::new(shader.is_some(), is_mean);
                 let weights = match mixture {
                     Some(_) => self.sheets[at + channels.weight].load(simd),
                     None => divisor,
                 };
-                let is_mean = mixture.is_some_and(|mixture| mixture.is_mean);
                 let divisor = if is_mean { weights } else { divisor };
                 let mut there = divisor.simd_gt(zero) & length.simd_gt(zero);
                 if !there.any_true() {
                     return;
                 }
                 let divisor = pick(there, divisor, one);
-                let value = sum / divisor;
+                let mean = match self.sheets[at..at + self.channels].try_into() {
+                    Ok(sums) => Some(sloped_mean::of(simd, sums, divisor)),
+                    Err(_) => None,
+                };
+                let value = if let Some(mean) = &mean { mean.value } else { sum / divisor };
                 let inside = there;
                 // Nothing is taken from cells in which nothing can be seen.
                 if let Some(cells) = cells {
@@ -113,19 +117,15 @@ impl Tile<'_> {
                             Slope::At(self.place(simd, number, depth))
                         } else {
                             // Values per unit of the view.
-                            let mut mean = [Lanes::ZERO; 3];
+                            let mut slope = [Lanes::ZERO; 3];
                             for a in 0..3 {
-                                let mut slope = self.sheets[at + channels.slope + a].load(simd);
-                                if is_mean {
-                                    // By the quotient rule.
-                                    let thinning = value * self.sheets[at + channels.thinning + a].load(simd);
-                                    let rounding = slope.abs().max(thinning.abs()) * MIN_SLOPE;
-                                    slope -= thinning;
-                                    slope = pick(slope.abs().simd_gt(rounding), slope, zero);
-                                }
-                                mean[a] = Lanes::new(slope / (divisor * per_unit));
+                                let one = match &mean {
+                                    Some(mean) => mean.slope[a],
+                                    None => self.sheets[at + channels.slope + a].load(simd) / divisor,
+                                };
+                                slope[a] = Lanes::new(one / per_unit);
                             }
-                            Slope::Known(mean)
+                            Slope::Known(slope)
                         };
                         let (value, length) = (Lanes::new(value), Lanes::new(length));
                         let pieces = Pieces { slope, value, length, optics: step, tint };

@@ -7,6 +7,7 @@ mod footprint;
 mod fragments;
 mod painter;
 mod sheets;
+mod sloped_mean;
 mod state;
 mod whole;
 

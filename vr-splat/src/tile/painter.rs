@@ -191,7 +191,9 @@ impl Painter<'_> {
     pub(super) fn channels(&self) -> usize {
         match self.content {
             Content::Values { normalised: true, .. } => 2,
-            Content::Values { mixture: Some(_), shader, .. } => MixtureChannels::new(shader.is_some()).count,
+            Content::Values { mixture: Some(mixture), shader, .. } => {
+                MixtureChannels::new(shader.is_some(), mixture.is_mean).count
+            }
             Content::Values { shader: Some(_), .. } => 6,
             Content::Values { .. } => 3,
             Content::Light(_) => 4,

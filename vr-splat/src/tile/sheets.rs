@@ -5,12 +5,13 @@ use fearless_simd::{Simd, f32x16};
 use vr_kernels::vector::{Lanes, pick, splat};
 
 use crate::bins::Keyed;
+use crate::point_mixture::MixtureChannels;
 use crate::splat::Splat;
 use crate::splatter::Buffers;
 
-use super::Tile;
 use super::footprint::{Crossing, FootprintKernel, Passing};
 use super::fragments::{self, Fragments};
+use super::{Tile, sloped_mean};
 
 /// The part of a splat in a sheet, for sixteen rays.
 pub(super) struct Section<S: Simd> {
@@ -141,7 +142,9 @@ impl Tile<'_> {
         let slot = sheet & (self.painter.ring as usize - 1);
         let at = self.place_of(slot, number);
         let channels = &mut self.sheets[at..at + self.channels];
-        add(simd, channels, section.whole, value, optics);
+        if self.channels != MixtureChannels::SLOPED_MEAN {
+            add(simd, channels, section.whole, value, optics);
+        }
         match (channels, section.reach) {
             ([_, to_back, to_front], Some(reach)) => {
                 // A sheet that is covered all through cannot be covered any further.
@@ -152,15 +155,12 @@ impl Tile<'_> {
             }
             ([_, to_back, to_front, x, y, z], Some(reach)) => {
                 cover(simd, [to_back, to_front], reach);
-                if let Some(gradient) = section.gradient {
-                    *x = Lanes::new(x.load(simd) + gradient[0] * value);
-                    *y = Lanes::new(y.load(simd) + gradient[1] * value);
-                    *z = Lanes::new(z.load(simd) + gradient[2] * value);
-                }
+                add_slope(simd, [x, y, z], &section, value);
             }
             ([_, to_back, to_front, mixture @ ..], Some(reach)) if mixture.len() > 3 => {
                 cover(simd, [to_back, to_front], reach);
-                mix(simd, mixture, &section, (value, optics));
+                let channels = &mut self.sheets[at..at + self.channels];
+                mix(simd, channels, &section, (value, optics));
             }
             _ => {}
         }
@@ -230,28 +230,34 @@ fn covers_all<S: Simd>(simd: S, [to_back, to_front]: [&mut Lanes; 2], reach: [[f
     (to_back.load(simd).simd_ge(all) & to_front.load(simd).simd_ge(all)).all_true()
 }
 
-/// Adds a section to the channels of a mixture behind the first three: the gradient of values, weights, colours and the gradient of weights, or weights
-/// and colours alone.
+/// Adds the gradient of a value.
+#[inline(always)]
+fn add_slope<S: Simd>(simd: S, sums: [&mut Lanes; 3], section: &Section<S>, value: f32) {
+    let Some(gradient) = section.gradient else { return };
+    for (sum, slope) in sums.into_iter().zip(gradient) {
+        *sum = Lanes::new(sum.load(simd) + slope * value);
+    }
+}
+
+/// Adds a section to the channels of a mixture, but for what is covered, and of a sum but for its value: the gradient of the sum, or a mean and its gradient, and weights
+/// and colours.
 #[inline(always)]
 fn mix<S: Simd>(simd: S, channels: &mut [Lanes], section: &Section<S>, (value, color): (f32, [f32; 4])) {
-    let (weights, gradient) = match (channels, section.gradient) {
-        ([x, y, z, weights @ .., p, q, r], Some(gradient)) => {
-            for (sum, slope) in [x, y, z].into_iter().zip(gradient) {
-                *sum = Lanes::new(sum.load(simd) + slope * value);
+    let is_plain = channels.len() == MixtureChannels::PLAIN;
+    match (<&mut [Lanes; MixtureChannels::SLOPED_MEAN]>::try_from(&mut *channels), section.gradient) {
+        (Ok(mean), Some(gradient)) => sloped_mean::add(simd, mean, section.whole, gradient, value),
+        (Err(_), Some(_)) => {
+            if let [_, _, _, x, y, z, ..] = &mut *channels {
+                add_slope(simd, [x, y, z], section, value);
             }
-            (weights, Some(([p, q, r], gradient)))
         }
-        (weights, _) => (weights, None),
-    };
-    if let [weight, r, g, b] = weights {
+        _ => {}
+    }
+    let sums = &mut channels[if is_plain { 3 } else { 6 }..];
+    if let [weight, r, g, b, ..] = sums {
         *weight = Lanes::new(weight.load(simd) + section.whole);
         for (sum, light) in [r, g, b].into_iter().zip(color) {
             *sum = Lanes::new(sum.load(simd) + section.whole * light);
-        }
-    }
-    if let Some((sums, gradient)) = gradient {
-        for (sum, slope) in sums.into_iter().zip(gradient) {
-            *sum = Lanes::new(sum.load(simd) + slope);
         }
     }
 }
