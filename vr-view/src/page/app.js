@@ -7,6 +7,7 @@ import { Hands } from "./hands.js";
 import { Marks } from "./marks.js";
 import { Panels } from "./panels.js";
 import { PictureView } from "./picture.js";
+import { RayPanel } from "./ray.js";
 import { Status } from "./status.js";
 
 const byId = (id) => document.getElementById(id);
@@ -41,8 +42,9 @@ function windowed(phase, dx, dy) {
 }
 
 const errorMap = new ErrorMap({ canvas: byId("errors"), rests });
+const ray = new RayPanel({ picture, rests });
 
-new Hands(canvas, { send, tool: () => tool, windowed, hovered: () => {} });
+new Hands(canvas, { send, tool: () => tool, windowed, hovered: () => {}, asked: (place) => ray.open(place) });
 
 const connection = new Connection({
   open() {
@@ -72,18 +74,22 @@ const connection = new Connection({
     if (!(await picture.show(head, bytes))) return;
     status.picture(head, since);
     errorMap.shown(head);
+    ray.shown(head);
     panels.look(head.camera);
     redraw();
   },
   error(message) {
     status.error(message);
-    if (status.head) errorMap.shown(status.head);
+    if (!status.head) return;
+    errorMap.shown(status.head);
+    ray.shown(status.head);
   },
   problem: ({ reason }) => status.problem(reason),
   refused: ({ reason }) => toast(reason),
 });
 
 function redraw() {
+  ray.mark();
   if (picture.head) marks.draw(picture.head.camera, canvas.clientHeight);
 }
 
@@ -138,6 +144,7 @@ window.addEventListener("keydown", (event) => {
     return;
   }
   if (isTyping || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.key === "Escape" && !byId("help").open) ray.close();
   const side = SIDES[Number(event.key) - 1];
   if (side) send({ kind: "side", side });
   const acts = {
@@ -149,6 +156,7 @@ window.addEventListener("keydown", (event) => {
     z: () => choose("zoom"),
     w: () => choose("window"),
     e: () => errorMap.toggle(),
+    i: () => ray.open([0, 0]),
     p: () => togglePanel(),
     "?": () => byId("help").showModal(),
   };
@@ -158,4 +166,4 @@ window.addEventListener("keydown", (event) => {
 window.addEventListener("resize", redraw);
 
 // For tests and for the curious: what is on the screen, and how fast it came.
-window.vr = { status, picture, curve, errorMap, send, get rests() { return rests(); } };
+window.vr = { status, picture, curve, errorMap, ray, send, get rests() { return rests(); } };

@@ -1,9 +1,8 @@
 //! Server: one session before browsers, on this machine unless told otherwise.
 //!
-//! Plain `GET` for the page, for files to be saved and for error maps, a WebSocket for edits and pictures. Every address begins with a random [token](Token), and every
+//! Plain `GET` for the page, for files to be saved and for questions about the truth, a WebSocket for edits and pictures. Every address begins with a random [token](Token), and every
 //! request is checked (`guard`).
 
-mod error_map;
 mod guard;
 mod hub;
 mod message;
@@ -11,6 +10,7 @@ mod page;
 mod rate;
 mod socket;
 mod token;
+mod truth;
 
 use std::future::Future;
 use std::io;
@@ -193,7 +193,8 @@ fn router(service: Service) -> Router {
         .route("/{token}/", get(page::index))
         .route("/{token}/socket", get(connect))
         .route("/{token}/save/{name}", get(save))
-        .route("/{token}/truth/error-map", get(error_map::answer))
+        .route("/{token}/truth/error-map", get(truth::error_map))
+        .route("/{token}/truth/ray", get(truth::ray))
         .route("/{token}/{name}", get(page::file))
         .layer(guarded)
         .with_state(service)

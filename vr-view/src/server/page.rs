@@ -31,6 +31,7 @@ files! {
     "panels.js": JS,
     "color.js": JS,
     "error_map.js": JS,
+    "ray.js": JS,
 }
 
 /// Answers with the page itself.

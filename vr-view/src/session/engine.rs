@@ -14,11 +14,12 @@ use vr_study::reference::ReferencePixels;
 use super::describe::{Opened, State};
 use super::document::{Change, Document};
 use super::edit::Edit;
-use super::error::EditError;
-use super::error_map::{ErrorMap, ErrorMapError};
+use super::error::{EditError, TruthError};
+use super::error_map::ErrorMap;
 use super::export::{Export, ExportError};
 use super::pace::Pace;
 use super::picture::{ClientId, Head, Orientation, Picture, PictureError, Stage};
+use super::ray_plot::RayPlot;
 use super::upsampled::rmse_upsampled;
 
 /// Time without an edit after which the picture is at rest.
@@ -67,7 +68,7 @@ struct Desk {
     answers: BTreeMap<ClientId, u64>,
     /// Cancel flag of the work that an edit makes stale.
     stale: Option<Arc<AtomicBool>>,
-    /// Cancel flags of error maps in the making, which an edit makes stale, too.
+    /// Cancel flags of answers in the making, which an edit makes stale, too.
     asked: Vec<Arc<AtomicBool>>,
     /// Cancel flag of any work.
     working: Option<Arc<AtomicBool>>,
@@ -81,7 +82,7 @@ impl Shared {
 }
 
 impl Desk {
-    /// Cancels every error map in the making.
+    /// Cancels every answer in the making.
     fn give_up_answers(&mut self) {
         self.asked.drain(..).for_each(|flag| flag.store(true, Ordering::Relaxed));
     }
@@ -182,7 +183,24 @@ impl Session {
     ///
     /// # Errors
     /// A picture that cannot be drawn, a scene that has no reference, or [`RenderError::Cancelled`].
-    pub fn error_map(&self) -> Result<ErrorMap, ErrorMapError> {
+    pub fn error_map(&self) -> Result<ErrorMap, TruthError> {
+        self.at_rest(|around, renderer, control| ErrorMap::of(around, renderer, control))
+    }
+
+    /// Follows the ray through the centre of a pixel of the picture at rest, and the reference along it. The next edit, and the end of the
+    /// session, cancel it.
+    ///
+    /// # Errors
+    /// A pixel that the picture does not have, a picture that cannot be drawn, a scene that has no reference, or [`RenderError::Cancelled`].
+    pub fn ray(&self, pixel: [u32; 2]) -> Result<RayPlot, TruthError> {
+        self.at_rest(|around, renderer, control| RayPlot::of(around, pixel, renderer, control))
+    }
+
+    /// Asks a question of the scene, the view and the renderer of the picture at rest, which the next edit cancels.
+    fn at_rest<T: Send>(
+        &self,
+        question: impl FnOnce((&Scene, &View), &dyn Renderer, &Control) -> Result<T, RenderError> + Send,
+    ) -> Result<T, TruthError> {
         let control = Control::default();
         let flag = control.cancel_flag();
         let (scene, view, stages) = {
@@ -194,10 +212,10 @@ impl Session {
             let d = &desk.document;
             (d.scene().clone(), d.view().clone(), d.stages())
         };
-        let found = stages.map_err(ErrorMapError::from).and_then(|stages| {
+        let found = stages.map_err(TruthError::from).and_then(|stages| {
             let renderer = stages.proven.map_or(stages.sharp, |(renderer, _)| renderer);
-            let compare = || ErrorMap::of((&scene, &view), &*renderer, &control);
-            let found = self.control.run(|| control.cancellable(compare));
+            let ask = || question((&scene, &view), &*renderer, &control);
+            let found = self.control.run(|| control.cancellable(ask));
             Ok(found.unwrap_or_else(|stopped| Err(stopped.into()))?)
         });
         self.shared.desk().asked.retain(|asked| !Arc::ptr_eq(asked, &flag));

@@ -277,3 +277,78 @@ fn an_error_map_lies_over_the_picture_at_rest() {
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
     running.end();
 }
+
+#[test]
+fn a_pixel_is_asked_for_its_ray() {
+    let Some((running, mut browser)) = opened("hydrogen") else { return };
+    let told = "window.vr.ray.found !== null && document.querySelectorAll('#ray-plot path').length > 4";
+    let text = "document.getElementById('ray').innerText";
+    // Alt and a click ask for a pixel, and change nothing.
+    let before = picture(&mut browser);
+    let at = [150.0, 190.0];
+    browser.mouse("mousePressed", at, json!({"clickCount": 1, "modifiers": 1}));
+    browser.mouse("mouseReleased", at, json!({"clickCount": 1, "buttons": 0, "modifiers": 1}));
+    browser.wait(told);
+    assert_eq!(picture(&mut browser), before);
+    let pixel = browser.value("window.vr.ray.found.pixel");
+    let near = |value: &serde_json::Value, want: f64| (value.as_f64().unwrap() - want).abs() <= 1.0;
+    assert!(near(&pixel[0], at[0]) && near(&pixel[1], at[1]), "{pixel}");
+    // It is the pixel on the screen, and within the bound of the reference.
+    let differs = "(() => { const { pixel, screen, error } = window.vr.ray.found; const d = document.getElementById('picture').getContext('2d').getImageData(...pixel, 1, 1).data; \
+                   return [Math.max(...screen[0].map((n, c) => Math.abs(n - d[c]))), Math.max(...error.map(Math.abs))]; })()";
+    let found = browser.value(differs);
+    assert!(found[0].as_f64().unwrap() <= 1.0 && found[1].as_f64().unwrap() <= 4e-3, "{found}");
+    let words = browser.value(text).as_str().unwrap().to_owned();
+    for word in ["reference proven within", "on the screen", "difference"] {
+        assert!(words.contains(word), "no {word:?} in {words}");
+    }
+    // A move makes it stale; at rest, the ray through the same place is asked for anew.
+    let last = browser.value("window.vr.ray.found.exact");
+    let before = picture(&mut browser);
+    browser.value("window.vr.stale = false; new MutationObserver(() => { window.vr.stale ||= document.getElementById('ray').classList.contains('stale'); }).observe(document.getElementById('ray'), { attributes: true }); document.getElementById('picture').focus(); 0");
+    browser.key("ArrowLeft", 0);
+    settled(&mut browser, before);
+    browser.wait(told);
+    assert_eq!(browser.value("window.vr.stale"), true);
+    assert_eq!(browser.value("window.vr.ray.found.pixel"), pixel);
+    assert_ne!(browser.value("window.vr.ray.found.exact"), last);
+    // Escape closes it, a key opens it for the pixel in the middle, and the tool for any, while its drags turn.
+    browser.key("Escape", 0);
+    assert_eq!(
+        browser.value("document.getElementById('ray').hidden && document.getElementById('ray-mark').hidden"),
+        true
+    );
+    browser.key("i", 0);
+    browser.wait(told);
+    assert_eq!(browser.value("window.vr.ray.found.pixel.every((n, k) => n === window.vr.picture.size[k] >> 1)"), true);
+    browser.value("document.getElementById('ray-close').click(); document.querySelector('[data-tool=ray]').click()");
+    let before = picture(&mut browser);
+    browser.drag(at, [200.0, 200.0], 6, "left");
+    settled(&mut browser, before);
+    assert_eq!(browser.value("window.vr.ray.isOpen"), false);
+    browser.mouse("mousePressed", at, json!({"clickCount": 1}));
+    browser.mouse("mouseReleased", at, json!({"clickCount": 1, "buttons": 0}));
+    browser.wait(told);
+    // By a setting that lists its steps, the renderer's curves are there, too.
+    let before = picture(&mut browser);
+    browser.value("window.vr.send({ kind: 'quality', quality: 'draft' })");
+    browser.wait(&format!("window.vr.status.head.picture > {before} && window.vr.rests"));
+    browser.wait(&format!("{told} && window.vr.ray.found.steps > 5"));
+    let words = browser.value(text).as_str().unwrap().to_owned();
+    assert!(words.contains("steps of raycast"), "{words}");
+    if let Some(folder) = std::env::var_os("VR_SCREENSHOTS") {
+        for scheme in ["dark", "light"] {
+            for [width, height] in [[360, 740], [1280, 800]] {
+                let address = format!("http://{}/{}/", running.address, running.token);
+                browser.open(&address, [width, height], scheme);
+                rest(&mut browser);
+                browser.key("i", 0);
+                browser.wait(told);
+                let path = std::path::Path::new(&folder).join(format!("ray-{scheme}-{width}.png"));
+                std::fs::write(path, browser.screenshot()).unwrap();
+            }
+        }
+    }
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+    running.end();
+}

@@ -121,6 +121,24 @@ fn an_error_map_is_told_when_asked_for() {
 }
 
 #[test]
+fn a_ray_is_told_when_asked_for() {
+    let running = Running::new(document("blobs", 16, [40, 30]), true);
+    let answer = running.get("truth/ray?x=20&y=15");
+    assert!(answer.status == 200 && answer.head.to_lowercase().contains("content-type: application/json"));
+    let plot: Value = serde_json::from_slice(&answer.body).unwrap();
+    assert_eq!((&plot["pixel"], &plot["size"]), (&serde_json::json!([20, 15]), &serde_json::json!([40, 30])));
+    let [drawn, exact] = ["rgba", "exact"].map(|key| plot[key][3].as_f64().unwrap());
+    assert!((drawn - exact).abs() <= 4e-3 && exact > 0.0, "{drawn} {exact}");
+    assert!(plot["parts"].as_array().unwrap().len() > 100 && plot["parts"][0]["ends"].is_array());
+    let refused = running.get("truth/ray?x=40&y=15");
+    assert_eq!((refused.status, refused.body.starts_with(b"pixel")), (422, true));
+    for path in ["truth/ray", "truth/ray?x=1", "truth/ray?x=-1&y=1", "truth/ray?x=1&y=1&z=1"] {
+        assert_eq!(running.get(path).status, 400, "{path}");
+    }
+    running.end();
+}
+
+#[test]
 fn two_pages_see_each_others_edits() {
     let running = Running::new(document("fog", 8, [16, 16]), true);
     let (mut one, mut other) = (running.connect(), running.connect());
