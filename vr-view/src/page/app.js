@@ -1,6 +1,7 @@
 // The page: wires the connection, the picture, the hands and the panels.
 
 import { Connection } from "./connection.js";
+import { Curtain } from "./curtain.js";
 import { Curve } from "./curve.js";
 import { ErrorMap } from "./error_map.js";
 import { Hands } from "./hands.js";
@@ -41,7 +42,9 @@ function windowed(phase, dx, dy) {
   curve.windowed(windowing.from, Math.exp(2 * windowing.width), windowing.level * (range[1] - range[0]));
 }
 
-const errorMap = new ErrorMap({ canvas: byId("errors"), rests });
+const errorMap = new ErrorMap({ canvas: byId("errors"), rests, opened: () => curtain.choose("", "") });
+// The map is that of the first picture, and would lie over the second.
+const curtain = new Curtain({ canvas: byId("second"), rests, opened: () => errorMap.on && errorMap.toggle() });
 const ray = new RayPanel({ picture, rests });
 
 new Hands(canvas, { send, tool: () => tool, windowed, hovered: () => {}, asked: (place) => ray.open(place) });
@@ -69,12 +72,14 @@ const connection = new Connection({
   },
   state({ state }) {
     panels.show(state, state.by?.[0] === client);
+    curtain.offer(state);
   },
   async picture(head, bytes, since) {
     if (!(await picture.show(head, bytes))) return;
     status.picture(head, since);
     errorMap.shown(head);
     ray.shown(head);
+    curtain.shown(head);
     panels.look(head.camera);
     redraw();
   },
@@ -83,6 +88,7 @@ const connection = new Connection({
     if (!status.head) return;
     errorMap.shown(status.head);
     ray.shown(status.head);
+    curtain.shown(status.head);
   },
   problem: ({ reason }) => status.problem(reason),
   refused: ({ reason }) => toast(reason),
@@ -156,6 +162,7 @@ window.addEventListener("keydown", (event) => {
     z: () => choose("zoom"),
     w: () => choose("window"),
     e: () => errorMap.toggle(),
+    c: () => curtain.toggle(),
     i: () => ray.open([0, 0]),
     p: () => togglePanel(),
     "?": () => byId("help").showModal(),
@@ -166,4 +173,4 @@ window.addEventListener("keydown", (event) => {
 window.addEventListener("resize", redraw);
 
 // For tests and for the curious: what is on the screen, and how fast it came.
-window.vr = { status, picture, curve, errorMap, ray, send, get rests() { return rests(); } };
+window.vr = { status, picture, curve, errorMap, ray, curtain, send, get rests() { return rests(); } };

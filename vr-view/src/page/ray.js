@@ -6,7 +6,7 @@ import { svg } from "./marks.js";
 const byId = (id) => document.getElementById(id);
 
 /** Width of the plot, height of a curve and of the gap above it, in units of its viewBox. */
-const [WIDTH, HEIGHT, GAP] = [320, 44, 16];
+const [WIDTH, HEIGHT, GAP] = [320, 42, 21];
 
 const CHANNELS = ["red", "green", "blue", "opacity"];
 
@@ -108,6 +108,7 @@ export class RayPanel {
   show() {
     const { pixel, renderer, rgba, exact, error, bound, is_proven: isProven, screen, steps, model, supersampling } = this.found;
     byId("ray").classList.remove("stale");
+    byId("ray-title").textContent = `Pixel ${pixel.join(", ")} by ${renderer}`;
     const table = byId("ray-table");
     const row = (name, color, numbers, className) => {
       const line = document.createElement("tr");
@@ -124,9 +125,9 @@ export class RayPanel {
     };
     const digits = (n) => (Math.abs(n) < 5e-5 ? "0" : n.toFixed(4));
     table.tBodies[0].replaceChildren(
-      row(`${renderer}, on the screen`, this.onScreen(pixel), rgba.map(digits), ""),
+      row("on the screen", this.onScreen(pixel), rgba.map(digits), ""),
       row("reference", screen[1], exact.map(digits), ""),
-      row("difference · 255", null, error.map((e) => short(255 * e)), "difference"),
+      row("difference, 1/255", null, error.map((e) => short(255 * e)), "difference"),
     );
     const notes = [`reference ${isProven ? "proven" : "estimated"} within ${short(bound)}`];
     notes.push(steps === null ? `${renderer} lists no steps as it draws at rest: curves are the reference's` : `${steps} steps of ${renderer}, dashed where they differ`);
@@ -151,11 +152,13 @@ export class RayPanel {
     const x = (s) => (WIDTH * (s - begin)) / (end - begin);
     let top = 0;
     const curve = (name, [low, high], draw, unit = "") => {
+      // Not the rounding of a zero.
+      const [from, to] = [low, high].map((n) => short(Math.abs(n) < 1e-9 * (high - low) ? 0 : n));
       const place = (n) => top + GAP + HEIGHT * (1 - (n - low) / (high - low || 1));
       const group = svg("g", { class: `ray-curve ${name}` }, plot);
       svg("rect", { class: "frame", x: 0, y: top + GAP, width: WIDTH, height: HEIGHT }, group);
       svg("text", { class: "axis-text", x: 0, y: top + GAP - 4 }, group, `${name}${unit}`);
-      svg("text", { class: "axis-text end", x: WIDTH, y: top + GAP - 4 }, group, `${short(low)} to ${short(high)}`);
+      svg("text", { class: "axis-text end", x: WIDTH, y: top + GAP - 4 }, group, `${from} to ${to}`);
       draw(group, place);
       top += GAP + HEIGHT;
     };

@@ -32,6 +32,7 @@ use vr_core::Control;
 
 use crate::session::{Document, Export, Opened, Session};
 use hub::Hub;
+use message::Coding;
 
 pub use message::MAX_MESSAGE;
 pub use token::Token;
@@ -162,6 +163,11 @@ impl Service {
         self.opened.get_or_init(make).await
     }
 
+    /// Encoding of pixels: as they are on one machine, packed over a network.
+    fn coding(&self) -> Coding {
+        if self.address.ip().is_loopback() { Coding::Rgba } else { Coding::Png }
+    }
+
     /// Waits until the server ends.
     fn ending(&self) -> impl Future<Output = ()> + use<> {
         let mut end = self.end.subscribe();
@@ -195,6 +201,7 @@ fn router(service: Service) -> Router {
         .route("/{token}/save/{name}", get(save))
         .route("/{token}/truth/error-map", get(truth::error_map))
         .route("/{token}/truth/ray", get(truth::ray))
+        .route("/{token}/truth/second", get(truth::second))
         .route("/{token}/{name}", get(page::file))
         .layer(guarded)
         .with_state(service)

@@ -32,6 +32,7 @@ files! {
     "color.js": JS,
     "error_map.js": JS,
     "ray.js": JS,
+    "curtain.js": JS,
 }
 
 /// Answers with the page itself.

@@ -15,6 +15,7 @@ mod navigation;
 mod pace;
 mod picture;
 mod ray_plot;
+mod second;
 mod subject;
 mod upsampled;
 
@@ -28,4 +29,5 @@ pub use export::{Export, ExportError};
 pub use pace::{FRAME_TIME, Pace};
 pub use picture::{ClientId, Head, Orientation, Picture, PictureError, Stage};
 pub use ray_plot::{PlotPart, RayPlot};
+pub use second::{SecondPicture, Setting};
 pub use subject::{RendererList, Subject};

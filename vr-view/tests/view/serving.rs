@@ -139,6 +139,23 @@ fn a_ray_is_told_when_asked_for() {
 }
 
 #[test]
+fn a_second_picture_is_told_when_asked_for() {
+    let running = Running::new(document("blobs", 16, [40, 30]), true);
+    let answer = running.get("truth/second?renderer=shearwarp");
+    assert!(answer.status == 200 && answer.head.to_lowercase().contains("content-type: application/octet-stream"));
+    let (head, pixels) = taken_apart(&answer.body);
+    assert_eq!((&head["renderer"], &head["size"]), (&"shearwarp".into(), &serde_json::json!([40, 30])));
+    assert!(head["error"]["kind"] == "measured" && head["milliseconds"].as_f64().unwrap() > 0.0, "{head}");
+    assert!(pixels.len() == 4 * 40 * 30 && pixels.chunks(4).any(|p| p != &pixels[..4]));
+    let refused = running.get("truth/second?renderer=oil");
+    assert!(refused.status == 422 && String::from_utf8(refused.body).unwrap().contains("oil"));
+    for path in ["truth/second", "truth/second?renderer=raycast&quality=best", "truth/second?renderer=raycast&more=1"] {
+        assert_eq!(running.get(path).status, 400, "{path}");
+    }
+    running.end();
+}
+
+#[test]
 fn two_pages_see_each_others_edits() {
     let running = Running::new(document("fog", 8, [16, 16]), true);
     let (mut one, mut other) = (running.connect(), running.connect());

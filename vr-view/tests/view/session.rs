@@ -6,7 +6,9 @@ use vr_core::{Control, Model, RenderError};
 use vr_io::ShadingSection;
 use vr_physics::Reference;
 use vr_study::error_colors;
-use vr_view::session::{Edit, ErrorMap, Export, Output, PictureError, Quality, RayPlot, Side, Stage, TruthError};
+use vr_view::session::{
+    Edit, ErrorMap, Export, Output, PictureError, Quality, RayPlot, Setting, Side, Stage, TruthError,
+};
 
 use crate::common::{Watched, document, drawn_anew, frame_anew};
 
@@ -278,4 +280,52 @@ fn a_ray_tells_of_its_pixel_and_of_the_reference() {
     assert!(watched.session.ray([60, 0]).unwrap_err().to_string().contains("pixel"));
     watched.session.end();
     assert!(matches!(watched.session.ray(pixel), Err(TruthError::Render(RenderError::Cancelled))));
+}
+
+#[test]
+fn a_second_picture_is_that_of_a_session_with_its_setting() {
+    let settings =
+        [("raycast", Some(Quality::Draft)), ("raycast", Some(Quality::Proven)), ("raycast", None), ("shearwarp", None)];
+    let watched = Watched::of(document("hydrogen", 24, [100, 60]));
+    watched.session.apply(1, 1, &Edit::Orbit { right: 20.0, up: 5.0 }).unwrap();
+    let saved = |watched: &Watched| String::from_utf8(watched.session.export(Export::Scene).unwrap()).unwrap();
+    let before = saved(&watched);
+    for (renderer, quality) in settings {
+        let setting = Setting { renderer: renderer.to_owned(), quality };
+        let second = watched.session.second(&setting).unwrap();
+        assert_eq!((second.renderer, second.size), (renderer, [100, 60]));
+        // A session of its own is given the same setting by edits, and its scene drawn anew.
+        let other = Watched::of(document("hydrogen", 24, [100, 60]));
+        other.session.apply(1, 1, &Edit::Orbit { right: 20.0, up: 5.0 }).unwrap();
+        if renderer != "raycast" {
+            other.session.apply(1, 2, &Edit::Renderer { name: renderer.to_owned() }).unwrap();
+        }
+        if let Some(quality) = quality {
+            other.session.apply(1, 3, &Edit::Quality { quality }).unwrap();
+        }
+        assert!(drawn_anew(&saved(&other)).1 == second.rgba, "{setting:?}");
+        // Its error is measured on as many pixels as that of the first picture, or proven.
+        let is_proven = renderer == "raycast" && quality != Some(Quality::Draft);
+        let errors = errors_anew(&other, &vr_physics::metrics::subgrid(24, [100, 60]));
+        let largest = errors.iter().copied().fold(0.0, f64::max);
+        match second.error {
+            PictureError::Proven { bound, rmse: Some(rmse) } if is_proven => {
+                assert!(bound == 4e-3 && largest <= bound && rmse <= largest, "{largest} {rmse}");
+            }
+            PictureError::Measured { max, pixels: 576, of: 6000, rmse } if !is_proven => {
+                assert!((max - largest).abs() < 1e-12 && rmse < max && max > 0.0, "{max} {largest}");
+            }
+            ref error => panic!("{setting:?}: {error:?}"),
+        }
+    }
+    assert_eq!(saved(&watched), before, "the first setting stays as it was");
+    // Settings that there are not are refused in words.
+    let refused = |renderer: &str, quality| {
+        watched.session.second(&Setting { renderer: renderer.to_owned(), quality }).unwrap_err().to_string()
+    };
+    assert!(refused("oil", None).contains("oil"));
+    assert!(refused("shearwarp", Some(Quality::Proven)).contains("shearwarp cannot prove"));
+    watched.session.end();
+    let setting = Setting { renderer: "raycast".to_owned(), quality: None };
+    assert!(matches!(watched.session.second(&setting), Err(TruthError::Render(RenderError::Cancelled))));
 }
