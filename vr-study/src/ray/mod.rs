@@ -2,17 +2,17 @@
 //!
 //! # Examples
 //! ```
-//! use vr_core::{Control, Renderer};
+//! use vr_core::Control;
 //! use vr_raycast::RayCaster;
 //! use vr_study::ray::RayAccount;
 //! use vr_study::subject::phantom_subject;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let subject = phantom_subject("blobs", 8, [16, 16])?;
+//! let subject = phantom_subject("fog", 8, [16, 16])?;
 //! let around = (&subject.scene, &subject.view);
 //! let account = RayAccount::of(around, [8, 8], &RayCaster::default(), &Control::default())?;
 //! // The sum of the steps is the renderer's pixel.
-//! let last = account.rows.last().and_then(|row| row.light).expect("the ray meets a blob");
+//! let last = account.rows.last().and_then(|row| row.light).expect("there is fog on the way");
 //! assert!((last.running[3] - account.rgba[3]).abs() < 1e-5);
 //! assert!(account.error().iter().all(|error| error.abs() < 0.02));
 //! # Ok(())

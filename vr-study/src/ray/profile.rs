@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn parts_together_are_the_pixel() {
-        let subject = phantom_subject("blobs", 16, [24, 24]).unwrap();
+        let subject = phantom_subject("hydrogen", 16, [24, 24]).unwrap();
         let (scene, view, control) = (&subject.scene, &subject.view, Control::default());
         let account = RayAccount::of((scene, view), [12, 12], &RayCaster::default(), &control).unwrap();
         let parts = account.profile(account.chord().unwrap(), 50).unwrap();
