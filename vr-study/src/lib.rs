@@ -11,6 +11,7 @@
 //! | features of scenes by renderer | [`features`] |
 //! | candidates that none beats, and the fastest within each error | [`front`] |
 //! | orders of convergence, documented and measured | [`convergence`] |
+//! | one ray, step by step beside the reference | [`ray`] |
 //! | hard cases | [`stability`] |
 //! | growth with threads, volumes, pictures | [`scaling`] |
 //! | the cheapest setting within an error | [`choose`] |
@@ -57,6 +58,7 @@ mod order_scenes;
 pub mod origin;
 mod picture;
 pub mod point;
+pub mod ray;
 pub mod reference;
 mod refined_grid;
 pub mod report;

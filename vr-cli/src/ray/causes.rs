@@ -1,8 +1,8 @@
 //! Causes of a pixel's error: the steps that make it wrong, and the events in them.
 
-use super::account::{Account, CHANNELS};
+use vr_study::ray::{CHANNELS, RayAccount, Row};
+
 use super::figures;
-use super::rows::Row;
 use crate::number;
 
 /// Largest number of steps that are named.
@@ -11,7 +11,7 @@ const NAMED: usize = 3;
 const ROUNDING: f64 = 1e-6;
 
 /// Returns the causes of the pixel's error, in a few lines; none where there is no error, or where the renderer cannot list its steps.
-pub fn lines(account: &Account<'_>) -> Vec<String> {
+pub fn lines(account: &RayAccount<'_>) -> Vec<String> {
     let changes: Vec<(&Row, f64)> =
         account.rows.iter().filter_map(|row| row.light.map(|light| (row, light.change))).collect();
     let all: f64 = changes.iter().map(|(_, change)| change.abs()).sum::<f64>() + account.left_out().abs();

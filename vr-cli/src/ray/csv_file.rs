@@ -1,9 +1,8 @@
 //! CSV file with all rows of the table.
 
 use std::path::Path;
+use vr_study::ray::{RayAccount, Row};
 
-use super::account::Account;
-use super::rows::Row;
 use super::tables::front;
 use crate::failure::Failure;
 
@@ -11,7 +10,7 @@ use crate::failure::Failure;
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(path: &Path, account: &Account<'_>) -> Result<(), Failure> {
+pub fn write(path: &Path, account: &RayAccount<'_>) -> Result<(), Failure> {
     let failed = |e: &dyn std::fmt::Display| Failure::failed(format!("{}: cannot be written: {e}", path.display()));
     let mut text = csv::Writer::from_writer(Vec::new());
     let filled = if account.probe.is_some() { steps(&mut text, account) } else { parts(&mut text, account) };
@@ -48,7 +47,7 @@ const STEP_LIGHT: [&str; 20] = [
     "meets_vacuum",
 ];
 
-fn steps(text: &mut Text, account: &Account<'_>) -> csv::Result<()> {
+fn steps(text: &mut Text, account: &RayAccount<'_>) -> csv::Result<()> {
     let light = account.has_light();
     text.write_record(STEP.iter().chain(STEP_LIGHT.iter().filter(|_| light)))?;
     for row in &account.rows {
@@ -91,7 +90,7 @@ const PART: [&str; 6] = ["part", "from", "to", "front", "value_from", "value_to"
 const PART_LIGHT: [&str; 9] =
     ["theta", "light_r", "light_g", "light_b", "radiance_r", "radiance_g", "radiance_b", "tau", "certainty"];
 
-fn parts(text: &mut Text, account: &Account<'_>) -> csv::Result<()> {
+fn parts(text: &mut Text, account: &RayAccount<'_>) -> csv::Result<()> {
     text.write_record(PART.iter().chain(PART_LIGHT.iter().filter(|_| account.has_light())))?;
     for (i, part) in account.segments.iter().enumerate() {
         let mut cells = vec![i.to_string(), number(part.from), number(part.to), front(part)];

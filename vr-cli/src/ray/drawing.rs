@@ -2,26 +2,22 @@
 
 use vr_core::RenderError;
 use vr_core::field::Cut;
-use vr_physics::{RaySegment, Reference};
+use vr_study::ray::{CHANNELS, RayAccount, RayPart, Row};
 
-use super::account::{Account, CHANNELS};
 use super::figures;
 use super::plot::{MARGIN, Plot, counts, scale};
-use super::rows::{Row, exact_until, rgba};
 
 /// Number of characters along the ray, and of dots.
 const COLUMNS: usize = 78;
 const DOTS: usize = 2 * COLUMNS;
-/// Opacity behind which nothing more is drawn, unless the renderer still has steps there.
-const HIDDEN: f64 = 0.9999;
 
 /// Returns all curves; nothing for a ray that misses the volume.
 ///
 /// # Errors
 /// Errors of the reference, for a scene that it cannot solve.
-pub fn text(account: &Account<'_>) -> Result<String, RenderError> {
-    let Some(chord) = account.chord() else { return Ok(String::new()) };
-    let drawing = Drawing::new(account, extent(account, chord))?;
+pub fn text(account: &RayAccount<'_>) -> Result<String, RenderError> {
+    let Some(extent) = account.extent() else { return Ok(String::new()) };
+    let drawing = Drawing::new(account, extent)?;
     let mut text = format!("\n{}\n", drawing.legend());
     text += &drawing.values();
     if drawing.shows_light() {
@@ -34,47 +30,27 @@ pub fn text(account: &Account<'_>) -> Result<String, RenderError> {
     Ok(text + &drawing.marks() + &drawing.axis())
 }
 
-/// Returns the part of the ray that is drawn: where something can be seen, with a margin.
-fn extent(account: &Account<'_>, [from, to]: [f64; 2]) -> [f64; 2] {
-    let seen = |segment: &&RaySegment| segment.light.is_some_and(|l| l.transparency < 1.0 || l.light != [0.0; 3]);
-    let Some(first) = account.segments.iter().find(seen) else { return [from, to] };
-    let hidden = |s: &&RaySegment| s.light.is_some_and(|l| l.opacity() >= HIDDEN);
-    let behind = account.segments.iter().find(hidden).or(account.segments.iter().rfind(seen)).map_or(to, |s| s.to);
-    let lit = |row: &&Row| row.step.transparency < 1.0;
-    let begin = account.rows.iter().find(lit).map_or(first.from, |row| row.step.begin.min(first.from));
-    let end = account.rows.last().map_or(behind, |row| {
-        let early = account.probe.as_ref().is_some_and(|probe| probe.ended_early);
-        if early { row.step.end().max(behind) } else { behind }
-    });
-    let margin = 0.04 * (end - begin);
-    [(begin - margin).max(from), (end + margin).min(to)]
-}
-
 struct Drawing<'a> {
-    account: &'a Account<'a>,
+    account: &'a RayAccount<'a>,
     from: f64,
     to: f64,
-    /// Parts of the reference, cut at the borders of the dots, too.
-    segments: Vec<RaySegment>,
+    /// The reference, dot by dot.
+    dots: Vec<RayPart>,
 }
 
 impl<'a> Drawing<'a> {
-    fn new(account: &'a Account<'a>, [from, to]: [f64; 2]) -> Result<Self, RenderError> {
-        let cuts: Vec<f64> = (0..=DOTS).map(|i| border(from, to, DOTS, i)).collect();
-        let scene = &account.setup.scene;
-        let segments = Reference::default().segments(scene, account.view, &account.ray, &cuts)?;
-        Ok(Self { account, from, to, segments })
+    fn new(account: &'a RayAccount<'a>, [from, to]: [f64; 2]) -> Result<Self, RenderError> {
+        Ok(Self { account, from, to, dots: account.profile([from, to], DOTS)? })
     }
 
     /// True if light is integrated, and there is some.
     fn shows_light(&self) -> bool {
-        let seen = |s: &RaySegment| s.light.is_some_and(|l| l.transparency < 1.0 || l.light != [0.0; 3]);
         let drawn = |row: &Row| row.light.is_some_and(|light| light.running != [0.0; 4]);
-        self.account.rows.iter().any(drawn) || self.segments.iter().any(seen)
+        self.account.rows.iter().any(drawn) || self.dots.iter().any(|dot| dot.exact != [0.0; 4])
     }
 
     fn legend(&self) -> String {
-        let Account { rows, renderer, .. } = self.account;
+        let RayAccount { rows, renderer, .. } = self.account;
         let mut text = "along the ray: the reference in dots".to_owned();
         if !rows.is_empty() {
             text += &format!(", × {renderer} where it is elsewhere");
@@ -93,23 +69,13 @@ impl<'a> Drawing<'a> {
         text
     }
 
-    /// Returns the parts in each column of dots.
-    fn columns(&self) -> Vec<&[RaySegment]> {
-        let middle = |segment: &RaySegment| 0.5 * (segment.from + segment.to);
-        let up_to = |i: usize| {
-            let s = border(self.from, self.to, DOTS, i);
-            self.segments.partition_point(|segment| middle(segment) < s)
-        };
-        (0..DOTS).map(|i| &self.segments[up_to(i)..up_to(i + 1)]).collect()
-    }
-
     /// Returns the part of the ray under a character.
     fn character(&self, x: usize) -> [f64; 2] {
         [border(self.from, self.to, COLUMNS, x), border(self.from, self.to, COLUMNS, x + 1)]
     }
 
     fn values(&self) -> String {
-        let curve: Vec<_> = self.columns().iter().map(|parts| range(parts.iter().flat_map(|p| p.values))).collect();
+        let curve: Vec<_> = self.dots.iter().map(|dot| dot.values).collect();
         let samples = || self.account.rows.iter().flat_map(|row| &row.step.samples);
         let marks: Vec<_> = (0..COLUMNS)
             .map(|x| {
@@ -123,11 +89,8 @@ impl<'a> Drawing<'a> {
 
     /// Draws the opacity of the part of the ray under each character: κ as far as it can be seen.
     fn opacity(&self) -> String {
-        let pairs: Vec<_> = self.columns().chunks(2).map(<[_]>::concat).collect();
-        let alpha = |parts: &[RaySegment]| {
-            1.0 - parts.iter().filter_map(|p| p.light).map(|light| light.transparency).product::<f64>()
-        };
-        let curve: Vec<_> = pairs.iter().flat_map(|parts| [Some([0.0, alpha(parts)]); 2]).collect();
+        let alpha = |dots: &[RayPart]| 1.0 - dots.iter().map(|dot| dot.transparency).product::<f64>();
+        let curve: Vec<_> = self.dots.chunks(DOTS / COLUMNS).flat_map(|dots| [Some([0.0, alpha(dots)]); 2]).collect();
         let marks: Vec<_> = (0..COLUMNS)
             .map(|x| {
                 let [a, b] = self.character(x);
@@ -148,13 +111,12 @@ impl<'a> Drawing<'a> {
     /// Draws radiance and transmittance so far.
     fn sums(&self) -> String {
         let c = self.channel();
-        let exact = self.exact();
-        let curve: Vec<_> = exact.iter().map(|rgba| Some([rgba[c]; 2])).collect();
+        let curve: Vec<_> = self.dots.iter().map(|dot| Some([dot.exact[c]; 2])).collect();
         let marks = self.drawn(|rgba| rgba[c]);
         let top = scale(curve.iter().flatten().flatten().copied().chain(marks.iter().flatten().copied()))[1];
         let mut text =
             Plot { name: CHANNELS[c], rows: 5, scale: [0.0, top], curve: &curve, bars: false, marks: &marks }.text();
-        let curve: Vec<_> = exact.iter().map(|rgba| Some([1.0 - rgba[3]; 2])).collect();
+        let curve: Vec<_> = self.dots.iter().map(|dot| Some([1.0 - dot.exact[3]; 2])).collect();
         let marks = self.drawn(|rgba| 1.0 - rgba[3]);
         text += &Plot { name: "clear", rows: 4, scale: [0.0, 1.0], curve: &curve, bars: false, marks: &marks }.text();
         text
@@ -212,34 +174,10 @@ impl<'a> Drawing<'a> {
         Some(self.account.channel()).filter(|&c| c < 3 && !self.account.rows.is_empty()).unwrap_or(brightest)
     }
 
-    /// Returns the exact sum at the end of each column of dots.
-    fn exact(&self) -> Vec<[f64; 4]> {
-        let at = |i: usize| exact_until(&self.segments, border(self.from, self.to, DOTS, i + 1));
-        (0..DOTS).map(|i| at(i).map_or([0.0; 4], |light| rgba(&light))).collect()
-    }
-
     /// Returns the renderer's sum at the middle of each character.
     fn drawn(&self, of: impl Fn([f64; 4]) -> f64) -> Vec<Option<f64>> {
-        let rows = &self.account.rows;
-        let running = |k: usize| rows[k].light.map_or([0.0; 4], |light| light.running);
-        let at = |s: f64| {
-            let k = rows.partition_point(|row| row.step.begin <= s);
-            let before = if k > 1 { running(k - 2) } else { [0.0; 4] };
-            let Some(k) = k.checked_sub(1) else { return before };
-            let part = share(rows[k].step.transparency, ((s - rows[k].step.begin) / rows[k].step.length).min(1.0));
-            std::array::from_fn(|c| before[c] + part * (running(k)[c] - before[c]))
-        };
         let middle = |x: usize| self.character(x).iter().sum::<f64>() * 0.5;
-        (0..COLUMNS).map(|x| (!rows.is_empty()).then(|| of(at(middle(x))))).collect()
-    }
-}
-
-/// Returns the share of a homogeneous step of transparency θ that is seen up to the fraction x of its length: (1 − θˣ) / (1 − θ).
-fn share(transparency: f64, x: f64) -> f64 {
-    match transparency {
-        1.0 => x,
-        0.0 => 1.0,
-        theta => (1.0 - theta.powf(x)) / (1.0 - theta),
+        (0..COLUMNS).map(|x| self.account.running_at(middle(x)).map(&of)).collect()
     }
 }
 
@@ -258,12 +196,6 @@ fn at(points: &[(f64, f64)], s: f64) -> Option<f64> {
     }
 }
 
-fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
-    values
-        .filter(|v| v.is_finite())
-        .fold(None, |range: Option<[f64; 2]>, v| Some(range.map_or([v, v], |[low, high]| [low.min(v), high.max(v)])))
-}
-
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v, count + 1.0));
     (count > 0.0).then(|| sum / count)
@@ -280,13 +212,6 @@ mod tests {
             assert_eq!(at(&points, s), Some(want), "{s}");
         }
         assert_eq!(at(&[], 1.0), None);
-        assert_eq!(range([3.0, f64::NAN, 1.0].into_iter()), Some([1.0, 3.0]));
         assert_eq!(mean([3.0, 1.0].into_iter()), Some(2.0));
-    }
-
-    #[test]
-    fn a_dense_step_is_seen_by_its_front() {
-        assert_eq!((share(1.0, 0.25), share(0.0, 0.25), share(0.25, 0.5)), (0.25, 1.0, 0.5 / 0.75));
-        assert!((share(0.5, 1.0) - 1.0).abs() < 1e-15);
     }
 }

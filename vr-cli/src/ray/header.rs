@@ -1,14 +1,15 @@
 //! Header before the drawing: the ray, its pixel, and the causes of its error.
 
 use vr_physics::Certainty;
+use vr_study::ray::{CHANNELS, RayAccount};
 
-use super::account::{Account, CHANNELS};
 use super::{causes, figures};
 use crate::number;
+use crate::scene_setup::Setup;
 
 /// Returns the header: the pixel, the ray, both sums, their difference, and its causes.
-pub fn text(account: &Account<'_>) -> String {
-    let Account { setup, renderer, view, pixel: [x, y], ray, .. } = account;
+pub fn text(setup: &Setup, account: &RayAccount<'_>) -> String {
+    let RayAccount { renderer, view, pixel: [x, y], ray, .. } = account;
     let [w, h] = view.size;
     let mut text = String::new();
     let mut line = |name: &str, words: String| text += &format!("{name:<9}{words}\n");
@@ -77,7 +78,7 @@ fn components(rgba: [f64; 4], figure: impl Fn(f64) -> String) -> String {
 }
 
 /// Counts the faces and knots on the whole ray.
-fn crossed(account: &Account<'_>) -> [usize; 2] {
+fn crossed(account: &RayAccount<'_>) -> [usize; 2] {
     let cuts = || account.segments.iter().flat_map(|segment| &segment.front);
     let faces = cuts().filter(|cut| matches!(cut, vr_core::field::Cut::Face { .. })).count();
     let knots = cuts().filter(|cut| matches!(cut, vr_core::field::Cut::Knot { .. })).count();

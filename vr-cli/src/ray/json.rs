@@ -3,9 +3,9 @@
 use serde::Serialize;
 use vr_core::field::Cut;
 use vr_physics::{Certainty, RaySegment};
+use vr_study::ray::{CHANNELS, RayAccount, Row};
 
-use super::account::{Account, CHANNELS};
-use super::rows::Row;
+use crate::scene_setup::Setup;
 
 /// JSON object of the account of a pixel.
 #[derive(Serialize)]
@@ -112,18 +112,18 @@ struct SegmentLightJson {
 
 impl<'a> Json<'a> {
     /// Returns the object of an account.
-    pub fn new(account: &'a Account<'a>) -> Self {
+    pub fn new(setup: &'a Setup, account: &'a RayAccount<'a>) -> Self {
         let probe = account.probe.as_ref();
         let (error, error_is) = match account.exact.certainty {
             Certainty::Bound(e) => (e, "bound"),
             Certainty::Estimate(e) => (e, "estimate"),
         };
         Self {
-            volume: &account.setup.title,
+            volume: &setup.title,
             size: account.view.size,
             pixel: account.pixel,
             renderer: account.renderer,
-            compositing: account.setup.scene.compositing.name(),
+            compositing: account.scene.compositing.name(),
             origin: account.ray.origin.to_array(),
             direction: account.ray.direction.to_array(),
             inside: account.chord(),
@@ -137,7 +137,7 @@ impl<'a> Json<'a> {
             steps: probe.map(|_| account.rows.iter().map(step).collect()),
             left_out: account.left_out(),
             segments: account.segments.iter().map(segment).collect(),
-            notes: &account.setup.notes,
+            notes: &setup.notes,
         }
     }
 }

@@ -1,6 +1,5 @@
 //! `vr ray`.
 
-mod account;
 mod causes;
 mod csv_file;
 mod drawing;
@@ -8,13 +7,11 @@ mod figures;
 mod header;
 mod json;
 mod plot;
-mod rows;
 mod tables;
 
-use vr_core::{Control, Model, Probe, RenderError, Renderer, View};
-use vr_physics::Reference;
+use vr_core::{Control, RenderError};
+use vr_study::ray::RayAccount;
 
-use self::account::Account;
 use crate::args::RayArgs;
 use crate::console::Console;
 use crate::failure::Failure;
@@ -40,17 +37,15 @@ pub fn run(args: &RayArgs, console: Console, control: &Control) -> Result<(), Fa
         let n = setup.view.supersampling;
         console.note(&format!("only the ray through the pixel's centre is shown: image.samples = {n} has no effect"));
     }
-    let view = View { supersampling: 1, ..setup.view.clone() };
     let failed = |e: RenderError| setup.render_failure(e);
-    let seen = under_bar(console, control, "looking", |control| look(&*renderer, &setup, &view, pixel, control))
-        .map_err(failed)?;
-    let reference = Reference::default();
-    let exact = reference.solve_pixels(&setup.scene, &view, &Model::Canonical, &[pixel], control).map_err(failed)?;
-    let account = Account::new(&setup, renderer.name(), &view, pixel, seen, exact.pixels[0]).map_err(failed)?;
+    let account = under_bar(console, control, "looking", |control| {
+        RayAccount::of((&setup.scene, &setup.view), pixel, &*renderer, control)
+    })
+    .map_err(failed)?;
     if let Some(path) = &args.csv {
         csv_file::write(path, &account)?;
     }
-    let mut text = header::text(&account);
+    let mut text = header::text(&setup, &account);
     // Drawings and tables are for text output alone.
     if !console.json && !console.quiet {
         text += &drawing::text(&account).map_err(failed)?;
@@ -59,7 +54,7 @@ pub fn run(args: &RayArgs, console: Console, control: &Control) -> Result<(), Fa
             text += &format!("\nwrote    {}\n", path.display());
         }
     }
-    console.result(&text, &json::Json::new(&account))
+    console.result(&text, &json::Json::new(&setup, &account))
 }
 
 /// Returns the pixel asked for.
@@ -70,37 +65,4 @@ fn pixel(args: &RayArgs, [width, height]: [u32; 2]) -> Result<[u32; 2], Failure>
     };
     // Any other fault of the size is an error of the renderer.
     Ok([inside("X", args.x, width.max(1))?, inside("Y", args.y, height.max(1))?])
-}
-
-/// A renderer's pixel.
-pub struct Seen {
-    /// Premultiplied linear RGBA.
-    pub rgba: [f32; 4],
-    /// World distance along the ray to what is seen; `None` from a renderer that gives no depth.
-    pub depth: Option<f32>,
-    /// Steps along the ray; `None` from a renderer that cannot list them.
-    pub probe: Option<Probe>,
-    /// The model that it integrates, where that is not the scene as it is.
-    pub model: Option<String>,
-}
-
-/// Asks the renderer for its steps; one that cannot list them draws the picture instead, of which the pixel is taken.
-fn look(
-    renderer: &dyn Renderer,
-    setup: &Setup,
-    view: &View,
-    pixel @ [x, y]: [u32; 2],
-    control: &Control,
-) -> Result<Seen, RenderError> {
-    let mut prepared = renderer.prepare(&setup.scene, control)?;
-    let model = match prepared.model(view)? {
-        Model::Canonical => None,
-        other => Some(format!("{other:?}")),
-    };
-    if let Some(probe) = prepared.probe(view, pixel, control)? {
-        return Ok(Seen { rgba: probe.rgba, depth: Some(probe.depth), probe: Some(probe), model });
-    }
-    let frame = prepared.render(view, control)?.frame;
-    let depth = frame.depth().map(|depth| depth[y as usize * view.size[0] as usize + x as usize]);
-    Ok(Seen { rgba: frame.pixel(x, y), depth, probe: None, model })
 }

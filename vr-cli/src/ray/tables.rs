@@ -3,10 +3,9 @@
 use vr_core::ProbedSample;
 use vr_core::field::Cut;
 use vr_physics::RaySegment;
+use vr_study::ray::{CHANNELS, RayAccount, Row};
 
-use super::account::{Account, CHANNELS};
 use super::figures;
-use super::rows::Row;
 use crate::table::Table;
 
 /// Number of rows that are printed in any case.
@@ -15,7 +14,7 @@ const FEW: usize = 60;
 const CHOSEN: usize = 40;
 
 /// Returns the tables of the samples and their sums, or of the reference alone. A long table is shortened, unless `all` of it is asked for.
-pub fn text(account: &Account<'_>, all: bool) -> String {
+pub fn text(account: &RayAccount<'_>, all: bool) -> String {
     let count = if account.probe.is_some() { account.rows.len() } else { account.segments.len() };
     if count == 0 {
         return String::new();
@@ -37,16 +36,16 @@ pub fn text(account: &Account<'_>, all: bool) -> String {
 }
 
 /// Returns remarks on the table of the samples.
-fn remarks(account: &Account<'_>) -> String {
+fn remarks(account: &RayAccount<'_>) -> String {
     let mut text = String::new();
     if account.rows.iter().any(|row| row.step.samples.iter().any(|sample| sample.value.is_nan())) {
         text += "-: vacuum\n";
     }
-    if account.setup.scene.transfer.has_rows() {
+    if account.scene.transfer.has_rows() {
         text += "kappa is the largest of all rows by gradient, theta and light are those of the rows at the gradient\n";
     }
-    if let Some(shading) = account.setup.scene.shading.as_ref().filter(|_| account.has_light()) {
-        if !account.setup.scene.transfer.has_emission() {
+    if let Some(shading) = account.scene.shading.as_ref().filter(|_| account.has_light()) {
+        if !account.scene.transfer.has_emission() {
             text += "colour and light are shaded\n";
         }
         if !shading.gradient_opacity.is_empty() {
@@ -57,7 +56,7 @@ fn remarks(account: &Account<'_>) -> String {
 }
 
 /// Returns the rows of a long table that matter most, in order: where the error changes most, or the value is nearest to the picked one, or largest.
-fn chosen(account: &Account<'_>, count: usize) -> Vec<usize> {
+fn chosen(account: &RayAccount<'_>, count: usize) -> Vec<usize> {
     let picked = account.picked();
     let weight = |i: usize| match (account.rows.get(i), picked) {
         (Some(Row { light: Some(light), .. }), _) => light.change.abs(),
@@ -76,7 +75,7 @@ fn chosen(account: &Account<'_>, count: usize) -> Vec<usize> {
     order
 }
 
-fn why_chosen(account: &Account<'_>) -> &'static str {
+fn why_chosen(account: &RayAccount<'_>) -> &'static str {
     match (account.probe.is_some(), account.has_light(), account.picked()) {
         (true, true, _) => "those in which the error changes most",
         (true, false, Some(_)) => "those next to what was picked",
@@ -97,7 +96,7 @@ fn fill(table: &mut Table, shown: &[usize], row: impl Fn(usize) -> Vec<String>) 
     }
 }
 
-fn samples(account: &Account<'_>, shown: &[usize]) -> Table {
+fn samples(account: &RayAccount<'_>, shown: &[usize]) -> Table {
     let light = account.has_light();
     let gray =
         account.rows.iter().filter_map(|row| row.light).all(|l| l.color[0] == l.color[1] && l.color[1] == l.color[2]);
@@ -144,7 +143,7 @@ fn ends(values: impl ExactSizeIterator<Item = f64> + DoubleEndedIterator) -> Str
     if several { format!("{first}..{}", values.next_back().unwrap_or_default()) } else { first }
 }
 
-fn sums(account: &Account<'_>, shown: &[usize]) -> Table {
+fn sums(account: &RayAccount<'_>, shown: &[usize]) -> Table {
     let c = account.channel();
     let gray = account
         .rows
@@ -185,7 +184,7 @@ fn sums(account: &Account<'_>, shown: &[usize]) -> Table {
     table
 }
 
-fn parts(account: &Account<'_>, shown: &[usize]) -> Table {
+fn parts(account: &RayAccount<'_>, shown: &[usize]) -> Table {
     let mut header = vec!["part", "from", "length", "begins at", "value", "to"];
     if account.has_light() {
         header.extend(["theta", "light b", "radiance so far", "tau so far"]);

@@ -1,12 +1,14 @@
 // The page: wires the connection, the picture, the hands and the panels.
 
 import { Connection } from "./connection.js";
+import { Curtain } from "./curtain.js";
 import { Curve } from "./curve.js";
 import { ErrorMap } from "./error_map.js";
 import { Hands } from "./hands.js";
 import { Marks } from "./marks.js";
 import { Panels } from "./panels.js";
 import { PictureView } from "./picture.js";
+import { RayPanel } from "./ray.js";
 import { Status } from "./status.js";
 
 const byId = (id) => document.getElementById(id);
@@ -40,9 +42,12 @@ function windowed(phase, dx, dy) {
   curve.windowed(windowing.from, Math.exp(2 * windowing.width), windowing.level * (range[1] - range[0]));
 }
 
-const errorMap = new ErrorMap({ canvas: byId("errors"), rests });
+const errorMap = new ErrorMap({ canvas: byId("errors"), rests, opened: () => curtain.choose("", "") });
+// The map is that of the first picture, and would lie over the second.
+const curtain = new Curtain({ canvas: byId("second"), rests, opened: () => errorMap.on && errorMap.toggle() });
+const ray = new RayPanel({ picture, rests });
 
-new Hands(canvas, { send, tool: () => tool, windowed, hovered: () => {} });
+new Hands(canvas, { send, tool: () => tool, windowed, hovered: () => {}, asked: (place) => ray.open(place) });
 
 const connection = new Connection({
   open() {
@@ -67,23 +72,30 @@ const connection = new Connection({
   },
   state({ state }) {
     panels.show(state, state.by?.[0] === client);
+    curtain.offer(state);
   },
   async picture(head, bytes, since) {
     if (!(await picture.show(head, bytes))) return;
     status.picture(head, since);
     errorMap.shown(head);
+    ray.shown(head);
+    curtain.shown(head);
     panels.look(head.camera);
     redraw();
   },
   error(message) {
     status.error(message);
-    if (status.head) errorMap.shown(status.head);
+    if (!status.head) return;
+    errorMap.shown(status.head);
+    ray.shown(status.head);
+    curtain.shown(status.head);
   },
   problem: ({ reason }) => status.problem(reason),
   refused: ({ reason }) => toast(reason),
 });
 
 function redraw() {
+  ray.mark();
   if (picture.head) marks.draw(picture.head.camera, canvas.clientHeight);
 }
 
@@ -138,6 +150,7 @@ window.addEventListener("keydown", (event) => {
     return;
   }
   if (isTyping || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.key === "Escape" && !byId("help").open) ray.close();
   const side = SIDES[Number(event.key) - 1];
   if (side) send({ kind: "side", side });
   const acts = {
@@ -149,6 +162,8 @@ window.addEventListener("keydown", (event) => {
     z: () => choose("zoom"),
     w: () => choose("window"),
     e: () => errorMap.toggle(),
+    c: () => curtain.toggle(),
+    i: () => ray.open([0, 0]),
     p: () => togglePanel(),
     "?": () => byId("help").showModal(),
   };
@@ -158,4 +173,4 @@ window.addEventListener("keydown", (event) => {
 window.addEventListener("resize", redraw);
 
 // For tests and for the curious: what is on the screen, and how fast it came.
-window.vr = { status, picture, curve, errorMap, send, get rests() { return rests(); } };
+window.vr = { status, picture, curve, errorMap, ray, curtain, send, get rests() { return rests(); } };

@@ -1,5 +1,12 @@
 // The socket: edits out, pictures and words in; connects again when the program comes back.
 
+/** The head of a picture, and its pixels. */
+export function takenApart(data) {
+  const length = new DataView(data).getUint32(0, true);
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
+  return { head, bytes: new Uint8ClampedArray(data, 4 + length) };
+}
+
 /** Connection to the program. `on` has a function for each kind of message, and `picture(head, bytes)`, `open()` and `closed(isBye)`. */
 export class Connection {
   constructor(on) {
@@ -43,15 +50,14 @@ export class Connection {
   }
 
   picture(data) {
-    const length = new DataView(data).getUint32(0, true);
-    const head = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
+    const { head, bytes } = takenApart(data);
     let since = null;
     for (const [number, time] of this.sent) {
       if (number > head.answers) break;
       since ??= time;
       this.sent.delete(number);
     }
-    this.on.picture(head, new Uint8ClampedArray(data, 4 + length), since);
+    this.on.picture(head, bytes, since);
   }
 
   /** Sends an edit, and returns its number; 0 while there is no connection. */

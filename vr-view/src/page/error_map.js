@@ -10,9 +10,9 @@ const TICKS = [0.001, 0.01, 0.1, 1, 10];
 const MARK = 0.62;
 
 export class ErrorMap {
-  /** `rests()` is true if no better picture of this scene is to come than the one on the screen. */
-  constructor({ canvas, rests }) {
-    Object.assign(this, { canvas, rests });
+  /** `rests()` is true if no better picture of this scene is to come than the one on the screen; `opened()` is called when the map is switched on. */
+  constructor({ canvas, rests, opened }) {
+    Object.assign(this, { canvas, rests, opened });
     this.on = false;
     this.found = null;
     /** Counts questions: an answer to any but the last one is not shown. */
@@ -23,6 +23,7 @@ export class ErrorMap {
 
   toggle() {
     this.on = !this.on;
+    if (this.on) this.opened();
     byId("error-map").setAttribute("aria-pressed", String(this.on));
     this.clear();
     byId("error-legend").hidden = !this.on;

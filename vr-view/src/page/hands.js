@@ -2,14 +2,21 @@
 
 /** Degrees of a drag across the height of the picture. */
 const TURN = 180;
+/** Pixels of the screen that a hand may tremble within a click. */
+const TREMBLE = 4;
 /** Degrees and heights of an arrow key. */
 const KEY_TURN = 5;
 const KEY_MOVE = 0.05;
 
 export class Hands {
-  /** `send(edit)` sends; `tool()` is what a drag does; `windowed(phase, dx, dy)` takes drags of the tool `window`. */
-  constructor(element, { send, tool, windowed, hovered }) {
-    Object.assign(this, { element, send, tool, windowed, hovered });
+  /**
+   * `send(edit)` sends; `tool()` is what a drag does; `windowed(phase, dx, dy)` takes drags of the tool `window`; `asked(place)` takes
+   * clicks with Alt, and those of the tool `ray`.
+   */
+  constructor(element, { send, tool, windowed, hovered, asked }) {
+    Object.assign(this, { element, send, tool, windowed, hovered, asked });
+    /** Where a click began that asks for a pixel, until it becomes a drag. */
+    this.click = null;
     this.pointers = new Map();
     this.waiting = { right: 0, up: 0, moveRight: 0, moveUp: 0, factor: 1, at: [0, 0], roll: 0 };
     this.scheduled = false;
@@ -33,6 +40,8 @@ export class Hands {
     this.element.focus({ preventScroll: true });
     this.element.setPointerCapture(event.pointerId);
     this.pointers.set(event.pointerId, this.place(event));
+    const asks = event.button === 0 && (event.altKey || this.tool() === "ray");
+    this.click = asks && this.pointers.size === 1 ? [event.clientX, event.clientY] : null;
     if (this.pointers.size === 1) {
       this.gesture = this.meaning(event);
       this.send({ kind: "gesture", begins: true });
@@ -45,7 +54,8 @@ export class Hands {
     if (button === 1 || button === 2 || shiftKey) return "move";
     if (ctrlKey || metaKey) return "zoom";
     if (altKey) return "window";
-    return this.tool();
+    // Of the tool that asks, a click is a question, and a drag turns as ever.
+    return this.tool() === "ray" ? "turn" : this.tool();
   }
 
   move(event) {
@@ -55,6 +65,8 @@ export class Hands {
       this.hovered(place);
       return;
     }
+    if (this.click && Math.hypot(event.clientX - this.click[0], event.clientY - this.click[1]) <= TREMBLE) return;
+    this.click = null;
     const [dx, dy] = [place[0] - last[0], place[1] - last[1]];
     if (this.pointers.size === 2) {
       // Both fingers together: they move, pinch and roll at once.
@@ -92,6 +104,8 @@ export class Hands {
       this.flush();
       if (this.gesture === "window") this.windowed("end", 0, 0);
       this.send({ kind: "gesture", begins: false });
+      if (this.click && event.type === "pointerup") this.asked(this.place(event));
+      this.click = null;
     }
   }
 

@@ -61,14 +61,19 @@ export class Status {
     byId("status-renderer").textContent = renderer;
     const isWhole = size[0] === full[0] && size[1] === full[1];
     byId("status-size").textContent = isWhole ? `${size[0]}×${size[1]}` : `${size[0]}×${size[1]} of ${full[0]}×${full[1]}`;
-    byId("status-time").textContent = milliseconds < 1000 ? `${short(milliseconds)} ms` : `${short(milliseconds / 1000)} s`;
+    byId("status-time").textContent = duration(milliseconds);
     byId("status-error").textContent = words(error);
     byId("status-error").dataset.kind = error.kind;
   }
 }
 
+/** A time in words. */
+export function duration(milliseconds) {
+  return milliseconds < 1000 ? `${short(milliseconds)} ms` : `${short(milliseconds / 1000)} s`;
+}
+
 /** What is known of an error, in words. */
-function words(error) {
+export function words(error) {
   const measured = error.rmse == null ? "" : ` · RMSE ${short(error.rmse)} measured`;
   switch (error.kind) {
     case "estimated":

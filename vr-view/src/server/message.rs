@@ -4,7 +4,7 @@ use axum::body::Bytes;
 use axum::extract::ws::Message;
 use serde::{Deserialize, Serialize};
 
-use crate::session::{ClientId, Edit, Head, Opened, Picture, PictureError, State};
+use crate::session::{ClientId, Edit, Head, Opened, Picture, PictureError, SecondPicture, State};
 
 /// Most bytes of a message from a page: a transfer function of some thousand points.
 pub const MAX_MESSAGE: usize = 256 << 10;
@@ -89,16 +89,33 @@ struct FullHead<'a> {
     coding: Coding,
 }
 
-/// A picture as a message to a client: the length of the head in four bytes, the smallest first; the head in JSON; the pixels.
+#[derive(Serialize)]
+struct SecondHead<'a> {
+    #[serde(flatten)]
+    picture: &'a SecondPicture,
+    coding: Coding,
+}
+
+/// A picture as a message to a client.
 pub fn picture_message(picture: &Picture, client: ClientId, coding: Coding) -> Message {
     let answers = picture.answers.get(&client).copied().unwrap_or(0);
     let head = FullHead { head: &picture.head, answers, coding };
-    let head = serde_json::to_vec(&head).expect("words and numbers have texts");
+    Message::Binary(Bytes::from(picture_bytes(&head, coding, picture.head.size, &picture.rgba)))
+}
+
+/// A second picture, laid out as the first ones are.
+pub fn second_picture_bytes(picture: &SecondPicture, coding: Coding) -> Vec<u8> {
+    picture_bytes(&SecondHead { picture, coding }, coding, picture.size, &picture.rgba)
+}
+
+/// The length of the head in four bytes, the smallest first; the head in JSON; the pixels.
+fn picture_bytes(head: &impl Serialize, coding: Coding, size: [u32; 2], rgba: &[u8]) -> Vec<u8> {
+    let head = serde_json::to_vec(head).expect("words and numbers have texts");
     let png;
     let pixels = match coding {
-        Coding::Rgba => &picture.rgba,
+        Coding::Rgba => rgba,
         Coding::Png => {
-            png = vr_io::encode_rgba_png(picture.head.size, &picture.rgba);
+            png = vr_io::encode_rgba_png(size, rgba);
             &png
         }
     };
@@ -106,5 +123,5 @@ pub fn picture_message(picture: &Picture, client: ClientId, coding: Coding) -> M
     bytes.extend((head.len() as u32).to_le_bytes());
     bytes.extend(&head);
     bytes.extend(pixels);
-    Message::Binary(Bytes::from(bytes))
+    bytes
 }

@@ -1,9 +1,8 @@
 //! Server: one session before browsers, on this machine unless told otherwise.
 //!
-//! Plain `GET` for the page, for files to be saved and for error maps, a WebSocket for edits and pictures. Every address begins with a random [token](Token), and every
+//! Plain `GET` for the page, for files to be saved and for questions about the truth, a WebSocket for edits and pictures. Every address begins with a random [token](Token), and every
 //! request is checked (`guard`).
 
-mod error_map;
 mod guard;
 mod hub;
 mod message;
@@ -11,6 +10,7 @@ mod page;
 mod rate;
 mod socket;
 mod token;
+mod truth;
 
 use std::future::Future;
 use std::io;
@@ -32,6 +32,7 @@ use vr_core::Control;
 
 use crate::session::{Document, Export, Opened, Session};
 use hub::Hub;
+use message::Coding;
 
 pub use message::MAX_MESSAGE;
 pub use token::Token;
@@ -162,6 +163,11 @@ impl Service {
         self.opened.get_or_init(make).await
     }
 
+    /// Encoding of pixels: as they are on one machine, packed over a network.
+    fn coding(&self) -> Coding {
+        if self.address.ip().is_loopback() { Coding::Rgba } else { Coding::Png }
+    }
+
     /// Waits until the server ends.
     fn ending(&self) -> impl Future<Output = ()> + use<> {
         let mut end = self.end.subscribe();
@@ -193,7 +199,9 @@ fn router(service: Service) -> Router {
         .route("/{token}/", get(page::index))
         .route("/{token}/socket", get(connect))
         .route("/{token}/save/{name}", get(save))
-        .route("/{token}/truth/error-map", get(error_map::answer))
+        .route("/{token}/truth/error-map", get(truth::error_map))
+        .route("/{token}/truth/ray", get(truth::ray))
+        .route("/{token}/truth/second", get(truth::second))
         .route("/{token}/{name}", get(page::file))
         .layer(guarded)
         .with_state(service)

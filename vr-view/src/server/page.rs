@@ -31,6 +31,8 @@ files! {
     "panels.js": JS,
     "color.js": JS,
     "error_map.js": JS,
+    "ray.js": JS,
+    "curtain.js": JS,
 }
 
 /// Answers with the page itself.

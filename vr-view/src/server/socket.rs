@@ -11,7 +11,7 @@ use tokio::sync::mpsc;
 use tokio::time::timeout;
 
 use super::Service;
-use super::message::{Coding, Request, Told, picture_message};
+use super::message::{Request, Told, picture_message};
 use super::rate::Rate;
 use crate::session::{ClientId, Output};
 
@@ -93,7 +93,7 @@ async fn send(
     mut answers: mpsc::Receiver<Message>,
 ) -> Option<()> {
     let (mut pictures, mut words) = service.hub.listen();
-    let coding = if service.address.ip().is_loopback() { Coding::Rgba } else { Coding::Png };
+    let coding = service.coding();
     let state = service.session.state();
     put(&mut sink, Told::Hello { client, version: env!("CARGO_PKG_VERSION") }.message()).await?;
     put(&mut sink, Told::State { state: &state }.message()).await?;

@@ -12,6 +12,7 @@ use vr_study::stated::StatedRenderer;
 use super::edit::{Edit, PROVEN, Quality, Side};
 use super::error::EditError;
 use super::navigation;
+use super::second::Setting;
 use super::subject::{RendererList, Subject};
 
 /// Largest width or height of a picture.
@@ -154,16 +155,17 @@ impl Document {
         if has_qualities(&self.file.render.options) {
             qualities.extend([Quality::Draft, Quality::Normal, Quality::Fine]);
         }
-        if self.prover(&self.proven_section(), PROVEN).is_some() {
+        if self.prover(&self.proven(&self.file.render), PROVEN).is_some() {
             qualities.push(Quality::Proven);
         }
         qualities
     }
 
-    /// The own section with a bound in place of a quality: the two do not go together.
-    fn proven_section(&self) -> RenderSection {
-        let mut section = RenderSection { max_error: Some(PROVEN), ..self.file.render.clone() };
-        let usual = self.renderers.named(self.renderer_name()).and_then(|r| r.option_values().0.remove(QUALITY));
+    /// A section with a bound in place of a quality: the two do not go together.
+    fn proven(&self, section: &RenderSection) -> RenderSection {
+        let mut section = RenderSection { max_error: Some(PROVEN), ..section.clone() };
+        let name = section.renderer.as_deref().unwrap_or_default();
+        let usual = self.renderers.named(name).and_then(|r| r.option_values().0.remove(QUALITY));
         if let (Some(usual), Some(quality)) = (usual, section.options.0.get_mut(QUALITY)) {
             *quality = usual;
         }
@@ -207,6 +209,56 @@ impl Document {
             options = options.with(QUALITY, quality);
         }
         Ok(renderer.with_options(&options)?)
+    }
+
+    /// The own section by another renderer, with its usual options.
+    fn drawn_by(&self, name: &str) -> Result<RenderSection, EditError> {
+        let renderer = self.renderers.named(name).ok_or_else(|| EditError::UnknownRenderer(name.to_owned()))?;
+        Ok(RenderSection {
+            renderer: Some(name.to_owned()),
+            options: StatedRenderer::of(renderer, None).options,
+            max_error: Some(PROVEN),
+            ..self.file.render.clone()
+        })
+    }
+
+    /// A section at another quality.
+    fn at_quality(&self, mut section: RenderSection, quality: Quality) -> Result<RenderSection, EditError> {
+        let name = || section.renderer.clone().unwrap_or_default();
+        match quality.option() {
+            Some(word) if has_qualities(&section.options) => {
+                section.options.0.insert(QUALITY.to_owned(), word.into());
+                section.max_error = None;
+                Ok(section)
+            }
+            Some(word) => Err(EditError::NoQuality { quality: word, renderer: name() }),
+            None => {
+                let proven = self.proven(&section);
+                if self.prover(&proven, PROVEN).is_none() {
+                    return Err(EditError::NoProof(name()));
+                }
+                Ok(proven)
+            }
+        }
+    }
+
+    /// The renderer of a second setting, and the bound that it draws under, if it has one for this scene.
+    ///
+    /// # Errors
+    /// A renderer that is not there, or does not draw the scene; a quality that it does not have.
+    pub fn second(&self, setting: &Setting) -> Result<(Box<dyn Renderer>, Option<f64>), EditError> {
+        let is_own = setting.renderer == self.renderer_name();
+        let mut section = if is_own { self.file.render.clone() } else { self.drawn_by(&setting.renderer)? };
+        if let Some(quality) = setting.quality {
+            section = self.at_quality(section, quality)?;
+        }
+        let prover = section.max_error.and_then(|error| Some((self.prover(&section, error)?, error)));
+        if let Some((renderer, error)) = prover {
+            return Ok((renderer, Some(error)));
+        }
+        let renderer = self.renderer(&section, None)?;
+        renderer.supports(&self.scene, Some(&self.view))?;
+        Ok((renderer, None))
     }
 
     /// Makes an edit; returns what it has changed.
@@ -333,28 +385,8 @@ impl Document {
             Edit::Crop { corners } => file.clip.crop = corners.map(|[low, high]| (low.into(), high.into())),
             Edit::Planes { planes } => file.clip.planes.clone_from(planes),
             Edit::Background { color } => file.image.background = *color,
-            Edit::Renderer { name } => {
-                let renderer = self.renderers.named(name).ok_or_else(|| EditError::UnknownRenderer(name.clone()))?;
-                file.render.renderer = Some(name.clone());
-                file.render.options = StatedRenderer::of(renderer, None).options;
-                file.render.max_error = Some(PROVEN);
-            }
-            Edit::Quality { quality } => match quality.option() {
-                Some(word) if has_qualities(&file.render.options) => {
-                    file.render.options.0.insert(QUALITY.to_owned(), word.into());
-                    file.render.max_error = None;
-                }
-                Some(word) => {
-                    let renderer = self.renderer_name().to_owned();
-                    return Err(EditError::NoQuality { quality: word, renderer });
-                }
-                None => {
-                    file.render = self.proven_section();
-                    if self.prover(&file.render, PROVEN).is_none() {
-                        return Err(EditError::NoProof(self.renderer_name().to_owned()));
-                    }
-                }
-            },
+            Edit::Renderer { name } => file.render = self.drawn_by(name)?,
+            Edit::Quality { quality } => file.render = self.at_quality(file.render, *quality)?,
             // Every other edit is done by the caller.
             _ => return Ok(Change::Nothing),
         }

@@ -6,26 +6,24 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use vr_core::{Control, Counts, Frame, Model, Prepared, RenderError, Renderer, Scene, View};
-use vr_physics::metrics::{Metrics, subgrid};
-use vr_study::error_bound::is_kept;
+use vr_core::{Control, Frame, Model, Prepared, RenderError, Renderer, Scene, View};
+use vr_physics::metrics::subgrid;
 use vr_study::reference::ReferencePixels;
 
 use super::describe::{Opened, State};
 use super::document::{Change, Document};
 use super::edit::Edit;
-use super::error::EditError;
-use super::error_map::{ErrorMap, ErrorMapError};
+use super::error::{EditError, TruthError};
+use super::error_map::ErrorMap;
 use super::export::{Export, ExportError};
 use super::pace::Pace;
-use super::picture::{ClientId, Head, Orientation, Picture, PictureError, Stage};
+use super::picture::{COMPARED, ClientId, Head, Orientation, Picture, PictureError, Stage};
+use super::ray_plot::RayPlot;
+use super::second::{SecondPicture, Setting};
 use super::upsampled::rmse_upsampled;
 
 /// Time without an edit after which the picture is at rest.
 const REST: Duration = Duration::from_millis(100);
-
-/// Parts along each side of a picture at rest, of each of which a pixel is compared with the reference: enough for a figure within a second.
-const COMPARED: u32 = 24;
 
 /// News from a session, for one client or for all.
 #[derive(Clone)]
@@ -67,7 +65,7 @@ struct Desk {
     answers: BTreeMap<ClientId, u64>,
     /// Cancel flag of the work that an edit makes stale.
     stale: Option<Arc<AtomicBool>>,
-    /// Cancel flags of error maps in the making, which an edit makes stale, too.
+    /// Cancel flags of answers in the making, which an edit makes stale, too.
     asked: Vec<Arc<AtomicBool>>,
     /// Cancel flag of any work.
     working: Option<Arc<AtomicBool>>,
@@ -81,7 +79,7 @@ impl Shared {
 }
 
 impl Desk {
-    /// Cancels every error map in the making.
+    /// Cancels every answer in the making.
     fn give_up_answers(&mut self) {
         self.asked.drain(..).for_each(|flag| flag.store(true, Ordering::Relaxed));
     }
@@ -182,22 +180,51 @@ impl Session {
     ///
     /// # Errors
     /// A picture that cannot be drawn, a scene that has no reference, or [`RenderError::Cancelled`].
-    pub fn error_map(&self) -> Result<ErrorMap, ErrorMapError> {
+    pub fn error_map(&self) -> Result<ErrorMap, TruthError> {
+        self.at_rest(best, |around, renderer, control| ErrorMap::of(around, &*renderer, control))
+    }
+
+    /// Follows the ray through the centre of a pixel of the picture at rest, and the reference along it. The next edit, and the end of the
+    /// session, cancel it.
+    ///
+    /// # Errors
+    /// A pixel that the picture does not have, a picture that cannot be drawn, a scene that has no reference, or [`RenderError::Cancelled`].
+    pub fn ray(&self, pixel: [u32; 2]) -> Result<RayPlot, TruthError> {
+        self.at_rest(best, |around, renderer, control| RayPlot::of(around, pixel, &*renderer, control))
+    }
+
+    /// Draws scene and view by a second setting, and measures its error as that of the first picture. The next edit, and the end of the
+    /// session, cancel it.
+    ///
+    /// # Errors
+    /// A setting that no renderer has, a scene that it does not draw, or [`RenderError::Cancelled`].
+    pub fn second(&self, setting: &Setting) -> Result<SecondPicture, TruthError> {
+        self.at_rest(
+            |document| document.second(setting),
+            |around, (renderer, bound), control| SecondPicture::of(around, (&*renderer, bound), control),
+        )
+    }
+
+    /// Asks a question of the scene, the view and a renderer of the document, which the next edit cancels.
+    fn at_rest<R: Send, T: Send>(
+        &self,
+        choose: impl FnOnce(&Document) -> Result<R, EditError>,
+        question: impl FnOnce((&Scene, &View), R, &Control) -> Result<T, RenderError> + Send,
+    ) -> Result<T, TruthError> {
         let control = Control::default();
         let flag = control.cancel_flag();
-        let (scene, view, stages) = {
+        let (scene, view, chosen) = {
             let mut desk = self.shared.desk();
             if desk.ended {
                 return Err(RenderError::Cancelled.into());
             }
             desk.asked.push(Arc::clone(&flag));
             let d = &desk.document;
-            (d.scene().clone(), d.view().clone(), d.stages())
+            (d.scene().clone(), d.view().clone(), choose(d))
         };
-        let found = stages.map_err(ErrorMapError::from).and_then(|stages| {
-            let renderer = stages.proven.map_or(stages.sharp, |(renderer, _)| renderer);
-            let compare = || ErrorMap::of((&scene, &view), &*renderer, &control);
-            let found = self.control.run(|| control.cancellable(compare));
+        let found = chosen.map_err(TruthError::from).and_then(|renderer| {
+            let ask = || question((&scene, &view), renderer, &control);
+            let found = self.control.run(|| control.cancellable(ask));
             Ok(found.unwrap_or_else(|stopped| Err(stopped.into()))?)
         });
         self.shared.desk().asked.retain(|asked| !Arc::ptr_eq(asked, &flag));
@@ -225,6 +252,12 @@ impl Drop for Session {
             let _ = thread.join();
         }
     }
+}
+
+/// The renderer of a document's picture at rest.
+fn best(document: &Document) -> Result<Box<dyn Renderer>, EditError> {
+    let stages = document.stages()?;
+    Ok(stages.proven.map_or(stages.sharp, |(renderer, _)| renderer))
 }
 
 /// Work of the thread: one stage of one revision.
@@ -391,7 +424,6 @@ impl Engine {
         let time = start.elapsed();
         let rgba = vr_io::screen_rgba(&rendered.frame, job.scene.background);
         let [w, h] = job.view.size.map(u64::from);
-        let frame = rendered.frame;
         // Tell of it.
         let known = |rmse: Option<f64>| rmse.map_or(PictureError::Unknown, |rmse| PictureError::Estimated { rmse });
         let (error, full_size) = match job.stage {
@@ -403,7 +435,11 @@ impl Engine {
                 let as_coarse = self.coarse_rmse.range(coarseness(job.view.size, job.full_size)..).next();
                 (known(as_coarse.map(|(_, rmse)| rmse.hypot(self.sharp_rmse.unwrap_or(0.0)))), job.full_size)
             }
-            Stage::Proven => (self.proof(job, &frame, &rendered.stats.counts), job.view.size),
+            Stage::Proven => {
+                let reference = self.reference.as_ref().filter(|(revision, _)| *revision == job.revision);
+                let bound = job.bound.unwrap_or(f64::INFINITY);
+                (PictureError::under_bound(bound, &rendered, reference.map(|(_, pixels)| pixels)), job.view.size)
+            }
             _ => (known(self.sharp_rmse), job.view.size),
         };
         self.pictures += 1;
@@ -420,6 +456,7 @@ impl Engine {
         };
         (self.shared.tell)(Output::Picture(Arc::new(Picture { head, rgba, answers: job.answers.clone() })));
         // Keep what the next stage compares with it.
+        let frame = rendered.frame;
         match job.stage {
             Stage::Draft => self.coarse = (job.revision, vec![frame]),
             Stage::Finer if self.coarse.0 == job.revision => self.coarse.1.push(frame),
@@ -434,18 +471,6 @@ impl Engine {
         Ok(())
     }
 
-    /// The error of a picture that was drawn under a bound.
-    fn proof(&self, job: &Job, frame: &Frame, counts: &Counts) -> PictureError {
-        let reference = self.reference.as_ref().filter(|(revision, _)| *revision == job.revision);
-        let rmse = reference.map(|(_, reference)| reference.judge(frame).rmse);
-        let bound = job.bound.unwrap_or(f64::INFINITY);
-        if is_kept(bound, counts) {
-            return PictureError::Proven { bound, rmse };
-        }
-        let largest = Some(counts.max_unbounded).filter(|bound| bound.is_finite());
-        PictureError::Unproven { bound, rays: counts.unbounded, largest, rmse }
-    }
-
     /// Compares the sharp picture with the reference.
     fn measure(&mut self, job: &Job, control: &Control) -> Result<(), RenderError> {
         let Some((revision, picture, frame)) = &self.sharp else { return Ok(()) };
@@ -458,11 +483,8 @@ impl Engine {
             Err(RenderError::Unsupported(_)) => return Ok(()),
             solved => solved?,
         };
-        let Metrics { rmse, max, .. } = reference.judge(frame);
-        let [w, h] = job.view.size.map(u64::from);
-        let error = PictureError::Measured { rmse, max, pixels: reference.count(), of: w * h };
-        (self.shared.tell)(Output::Error { picture: *picture, error });
-        self.sharp_rmse = Some(rmse);
+        (self.shared.tell)(Output::Error { picture: *picture, error: PictureError::measured(&reference, frame) });
+        self.sharp_rmse = Some(reference.judge(frame).rmse);
         self.reference = Some((job.revision, reference));
         Ok(())
     }

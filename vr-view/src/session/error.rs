@@ -1,4 +1,4 @@
-//! Errors of edits.
+//! Errors of edits, and of questions.
 
 use vr_core::{OptionError, ParameterError, RenderError};
 use vr_io::SceneFileError;
@@ -42,4 +42,16 @@ pub enum EditError {
     /// A picture of more pixels than a screen has.
     #[error("size: found {}x{}; must be 1 to 8192 pixels on a side, {} together at most", .0[0], .0[1], super::MAX_PIXELS)]
     Size([u32; 2]),
+}
+
+/// Reason why a question about the picture at rest has no answer.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TruthError {
+    /// The renderer does not take its options.
+    #[error(transparent)]
+    Edit(#[from] EditError),
+    /// The picture has no such pixel or cannot be drawn, the scene has no reference, or an edit has made the question stale.
+    #[error(transparent)]
+    Render(#[from] RenderError),
 }

@@ -6,8 +6,6 @@ use vr_physics::metrics::subgrid;
 use vr_study::error_colors;
 use vr_study::reference::{ReferencePixels, SUBGRID};
 
-use super::error::EditError;
-
 /// Number of colours of a legend: more than a screen can tell apart along it.
 const LEGEND: u32 = 61;
 
@@ -37,18 +35,6 @@ pub struct ErrorMap {
     pub legend: Vec<[u8; 3]>,
     /// Error of the reference itself, in words.
     pub certainty: String,
-}
-
-/// Reason why there is no error map.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ErrorMapError {
-    /// The renderer does not take its options.
-    #[error(transparent)]
-    Edit(#[from] EditError),
-    /// The picture cannot be drawn, the scene has no reference, or an edit has made the question stale.
-    #[error(transparent)]
-    Render(#[from] RenderError),
 }
 
 impl ErrorMap {

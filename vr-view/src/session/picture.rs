@@ -4,9 +4,15 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use serde::Serialize;
-use vr_core::View;
+use vr_core::{Frame, Rendered, View};
+use vr_physics::metrics::Metrics;
+use vr_study::error_bound::is_kept;
+use vr_study::reference::ReferencePixels;
 
 use super::navigation::height_at_target;
+
+/// Parts along each side of a picture at rest, of each of which a pixel is compared with the reference: enough for a figure within a second.
+pub(super) const COMPARED: u32 = 24;
 
 /// Number of a client of a session.
 pub type ClientId = u64;
@@ -101,6 +107,26 @@ pub enum PictureError {
         /// RMSE of the pixels that were compared with the reference besides.
         rmse: Option<f64>,
     },
+}
+
+impl PictureError {
+    /// Error of a frame that was compared with the reference.
+    pub(super) fn measured(reference: &ReferencePixels, frame: &Frame) -> Self {
+        let Metrics { rmse, max, .. } = reference.judge(frame);
+        let [w, h] = frame.size().map(u64::from);
+        Self::Measured { rmse, max, pixels: reference.count(), of: w * h }
+    }
+
+    /// Error of a picture that was drawn under a bound, and compared with the reference where there is one.
+    pub(super) fn under_bound(bound: f64, rendered: &Rendered, reference: Option<&ReferencePixels>) -> Self {
+        let counts = &rendered.stats.counts;
+        let rmse = reference.map(|reference| reference.judge(&rendered.frame).rmse);
+        if is_kept(bound, counts) {
+            return Self::Proven { bound, rmse };
+        }
+        let largest = Some(counts.max_unbounded).filter(|bound| bound.is_finite());
+        Self::Unproven { bound, rays: counts.unbounded, largest, rmse }
+    }
 }
 
 /// Orientation and scale of a view.

@@ -121,6 +121,41 @@ fn an_error_map_is_told_when_asked_for() {
 }
 
 #[test]
+fn a_ray_is_told_when_asked_for() {
+    let running = Running::new(document("blobs", 16, [40, 30]), true);
+    let answer = running.get("truth/ray?x=20&y=15");
+    assert!(answer.status == 200 && answer.head.to_lowercase().contains("content-type: application/json"));
+    let plot: Value = serde_json::from_slice(&answer.body).unwrap();
+    assert_eq!((&plot["pixel"], &plot["size"]), (&serde_json::json!([20, 15]), &serde_json::json!([40, 30])));
+    let [drawn, exact] = ["rgba", "exact"].map(|key| plot[key][3].as_f64().unwrap());
+    assert!((drawn - exact).abs() <= 4e-3 && exact > 0.0, "{drawn} {exact}");
+    assert!(plot["parts"].as_array().unwrap().len() > 100 && plot["parts"][0]["ends"].is_array());
+    let refused = running.get("truth/ray?x=40&y=15");
+    assert_eq!((refused.status, refused.body.starts_with(b"pixel")), (422, true));
+    for path in ["truth/ray", "truth/ray?x=1", "truth/ray?x=-1&y=1", "truth/ray?x=1&y=1&z=1"] {
+        assert_eq!(running.get(path).status, 400, "{path}");
+    }
+    running.end();
+}
+
+#[test]
+fn a_second_picture_is_told_when_asked_for() {
+    let running = Running::new(document("blobs", 16, [40, 30]), true);
+    let answer = running.get("truth/second?renderer=shearwarp");
+    assert!(answer.status == 200 && answer.head.to_lowercase().contains("content-type: application/octet-stream"));
+    let (head, pixels) = taken_apart(&answer.body);
+    assert_eq!((&head["renderer"], &head["size"]), (&"shearwarp".into(), &serde_json::json!([40, 30])));
+    assert!(head["error"]["kind"] == "measured" && head["milliseconds"].as_f64().unwrap() > 0.0, "{head}");
+    assert!(pixels.len() == 4 * 40 * 30 && pixels.chunks(4).any(|p| p != &pixels[..4]));
+    let refused = running.get("truth/second?renderer=oil");
+    assert!(refused.status == 422 && String::from_utf8(refused.body).unwrap().contains("oil"));
+    for path in ["truth/second", "truth/second?renderer=raycast&quality=best", "truth/second?renderer=raycast&more=1"] {
+        assert_eq!(running.get(path).status, 400, "{path}");
+    }
+    running.end();
+}
+
+#[test]
 fn two_pages_see_each_others_edits() {
     let running = Running::new(document("fog", 8, [16, 16]), true);
     let (mut one, mut other) = (running.connect(), running.connect());

@@ -6,7 +6,9 @@ use vr_core::{Control, Model, RenderError};
 use vr_io::ShadingSection;
 use vr_physics::Reference;
 use vr_study::error_colors;
-use vr_view::session::{Edit, ErrorMap, ErrorMapError, Export, Output, PictureError, Quality, Side, Stage};
+use vr_view::session::{
+    Edit, ErrorMap, Export, Output, PictureError, Quality, RayPlot, Setting, Side, Stage, TruthError,
+};
 
 use crate::common::{Watched, document, drawn_anew, frame_anew};
 
@@ -216,12 +218,114 @@ fn an_error_map_that_an_edit_makes_stale_is_cancelled() {
             }
         }
         let outcome = asked.join().unwrap();
-        assert!(matches!(outcome, Err(ErrorMapError::Render(RenderError::Cancelled))), "{:?}", outcome.map(|m| m.max));
+        assert!(matches!(outcome, Err(TruthError::Render(RenderError::Cancelled))), "{:?}", outcome.map(|m| m.max));
         assert!(start.elapsed() < whole, "{:?} of {whole:?}", start.elapsed());
     });
     // The next question is answered, and none after the end.
     watched.session.apply(1, 9_999, &Edit::Size { size: [20, 20] }).unwrap();
     assert_eq!(watched.session.error_map().unwrap().size, [20, 20]);
     watched.session.end();
-    assert!(matches!(watched.session.error_map(), Err(ErrorMapError::Render(RenderError::Cancelled))));
+    assert!(matches!(watched.session.error_map(), Err(TruthError::Render(RenderError::Cancelled))));
+}
+
+#[test]
+fn a_ray_tells_of_its_pixel_and_of_the_reference() {
+    let watched = Watched::of(document("hydrogen", 24, [60, 50]));
+    let pixel @ [x, y] = [31, 22];
+    for (number, quality) in (1..).zip([Quality::Draft, Quality::Proven]) {
+        watched.session.apply(1, number, &Edit::Quality { quality }).unwrap();
+        let plot: RayPlot = watched.session.ray(pixel).unwrap();
+        let text = String::from_utf8(watched.session.export(Export::Scene).unwrap()).unwrap();
+        let (loaded, frame) = frame_anew(&text);
+        let rgba = frame.pixel(x, y);
+        let control = Control::default();
+        let solution =
+            Reference::default().solve_pixels(&loaded.scene, &loaded.view, &Model::Canonical, &[pixel], &control);
+        let exact = solution.unwrap().pixels[0];
+        assert_eq!((plot.pixel, plot.size, plot.exact), (pixel, [60, 50], exact.rgba));
+        assert!(plot.is_proven && plot.bound == exact.certainty.value() && exact.rgba[3] > 0.1, "{plot:?}");
+        for c in 0..4 {
+            // Steps are listed by a plain kernel, the same to rounding.
+            assert!((plot.rgba[c] - f64::from(rgba[c])).abs() < 1e-5, "{c}: {plot:?} {rgba:?}");
+            assert_eq!(plot.error[c], plot.rgba[c] - exact.rgba[c]);
+        }
+        let shown = vr_io::screen_rgba(&frame, loaded.scene.background);
+        let shown = &shown[4 * (60 * y + x) as usize..];
+        assert!(plot.screen[0].iter().zip(shown).all(|(a, b)| a.abs_diff(*b) <= 1), "{:?}", plot.screen);
+        // Curves run up to the pixel: the reference's to the reference, the renderer's, where it lists steps, to its own.
+        let last = plot.parts.last().unwrap();
+        let transmittance: f64 = plot.parts.iter().map(|part| 1.0 - part.opacity).product();
+        assert!((1.0 - transmittance - exact.rgba[3]).abs() < 2e-4, "{transmittance}");
+        assert_eq!(plot.steps.is_some(), quality == Quality::Draft);
+        for c in 0..4 {
+            assert!((last.exact[c] - exact.rgba[c]).abs() < 2e-4, "{c}");
+            if let Some(drawn) = last.drawn {
+                assert!((drawn[c] - plot.rgba[c]).abs() < 2e-4, "{c}");
+            }
+        }
+        assert!(plot.parts.iter().all(|part| part.drawn.is_some() == plot.steps.is_some()));
+        assert!(plot.parts.windows(2).all(|two| two[0].ends[1] == two[1].ends[0]));
+        // Opacity is that of the transfer function at the value: κ lies between those at both ends of a part whose value hardly changes.
+        let (mut thin, mut seen) = (0, 0);
+        for part in plot.parts.iter().filter(|part| part.values.is_some_and(|[low, high]| high - low < 2e-3)) {
+            let [low, high] = part.values.unwrap().map(|value| loaded.scene.transfer.extinction_at(value));
+            let kappa = -(-part.opacity).ln_1p() / (part.ends[1] - part.ends[0]);
+            let slack = 1e-6 + 0.02 * (low + high);
+            thin += usize::from((low.min(high) - slack..=low.max(high) + slack).contains(&kappa));
+            seen += 1;
+        }
+        assert!(seen > 20 && thin == seen, "{thin} of {seen}");
+    }
+    // Other questions are refused, or cancelled.
+    assert!(watched.session.ray([60, 0]).unwrap_err().to_string().contains("pixel"));
+    watched.session.end();
+    assert!(matches!(watched.session.ray(pixel), Err(TruthError::Render(RenderError::Cancelled))));
+}
+
+#[test]
+fn a_second_picture_is_that_of_a_session_with_its_setting() {
+    let settings =
+        [("raycast", Some(Quality::Draft)), ("raycast", Some(Quality::Proven)), ("raycast", None), ("shearwarp", None)];
+    let watched = Watched::of(document("hydrogen", 24, [100, 60]));
+    watched.session.apply(1, 1, &Edit::Orbit { right: 20.0, up: 5.0 }).unwrap();
+    let saved = |watched: &Watched| String::from_utf8(watched.session.export(Export::Scene).unwrap()).unwrap();
+    let before = saved(&watched);
+    for (renderer, quality) in settings {
+        let setting = Setting { renderer: renderer.to_owned(), quality };
+        let second = watched.session.second(&setting).unwrap();
+        assert_eq!((second.renderer, second.size), (renderer, [100, 60]));
+        // A session of its own is given the same setting by edits, and its scene drawn anew.
+        let other = Watched::of(document("hydrogen", 24, [100, 60]));
+        other.session.apply(1, 1, &Edit::Orbit { right: 20.0, up: 5.0 }).unwrap();
+        if renderer != "raycast" {
+            other.session.apply(1, 2, &Edit::Renderer { name: renderer.to_owned() }).unwrap();
+        }
+        if let Some(quality) = quality {
+            other.session.apply(1, 3, &Edit::Quality { quality }).unwrap();
+        }
+        assert!(drawn_anew(&saved(&other)).1 == second.rgba, "{setting:?}");
+        // Its error is measured on as many pixels as that of the first picture, or proven.
+        let is_proven = renderer == "raycast" && quality != Some(Quality::Draft);
+        let errors = errors_anew(&other, &vr_physics::metrics::subgrid(24, [100, 60]));
+        let largest = errors.iter().copied().fold(0.0, f64::max);
+        match second.error {
+            PictureError::Proven { bound, rmse: Some(rmse) } if is_proven => {
+                assert!(bound == 4e-3 && largest <= bound && rmse <= largest, "{largest} {rmse}");
+            }
+            PictureError::Measured { max, pixels: 576, of: 6000, rmse } if !is_proven => {
+                assert!((max - largest).abs() < 1e-12 && rmse < max && max > 0.0, "{max} {largest}");
+            }
+            ref error => panic!("{setting:?}: {error:?}"),
+        }
+    }
+    assert_eq!(saved(&watched), before, "the first setting stays as it was");
+    // Settings that there are not are refused in words.
+    let refused = |renderer: &str, quality| {
+        watched.session.second(&Setting { renderer: renderer.to_owned(), quality }).unwrap_err().to_string()
+    };
+    assert!(refused("oil", None).contains("oil"));
+    assert!(refused("shearwarp", Some(Quality::Proven)).contains("shearwarp cannot prove"));
+    watched.session.end();
+    let setting = Setting { renderer: "raycast".to_owned(), quality: None };
+    assert!(matches!(watched.session.second(&setting), Err(TruthError::Render(RenderError::Cancelled))));
 }
