@@ -72,8 +72,13 @@ pub(crate) struct Radial {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
-    /// With so many standard deviations to the radius.
-    Gaussian(f64),
+    /// A Gaussian that ends in 0 at the radius.
+    Gaussian {
+        /// Standard deviations to the radius.
+        deviations: f64,
+        /// e^(−½ deviations²), by which it is lowered.
+        edge: f64,
+    },
     Cone,
     /// Kernel of scattered points; normalised already.
     Point(PointKernel),
@@ -110,7 +115,10 @@ impl Profile {
         let a = 0.5 * deviations * deviations;
         let edge = libm::exp(-a);
         let moment = ((PI / a).sqrt() * libm::erf(a.sqrt()) - 2.0 * edge) / (4.0 * a);
-        Self::Radial(Radial { form: Form::Gaussian(deviations), factor: 1.0 / (4.0 * PI * (moment - edge / 3.0)) })
+        Self::Radial(Radial {
+            form: Form::Gaussian { deviations, edge },
+            factor: 1.0 / (4.0 * PI * (moment - edge / 3.0)),
+        })
     }
 
     pub(crate) fn cone() -> Self {
@@ -147,7 +155,7 @@ impl Radial {
         }
         self.factor
             * match self.form {
-                Form::Gaussian(deviations) => {
+                Form::Gaussian { deviations, .. } => {
                     let square = deviations * deviations;
                     -square * libm::exp(-0.5 * square * t * t)
                 }
@@ -172,9 +180,9 @@ impl Radial {
         }
         self.factor
             * match self.form {
-                Form::Gaussian(deviations) => {
+                Form::Gaussian { deviations, edge } => {
                     let e = 0.5 * deviations * deviations;
-                    libm::exp(-e) * libm::expm1(e * (1.0 - t) * (1.0 + t))
+                    edge * libm::expm1(e * (1.0 - t) * (1.0 + t))
                 }
                 Form::Cone => 1.0 - t,
                 Form::Point(kernel) => kernel.at(t),

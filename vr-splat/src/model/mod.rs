@@ -288,13 +288,14 @@ impl SplatModel {
                     s.at(profile, line, middle) * (to - from) * line.stretch
                 }
             };
-            let weighed = parts.iter().map(|s| (*s, section(s)));
+            // Sections are most of the work: each is taken once.
+            let weighed: Vec<(&ExactSplat, f64)> = parts.iter().map(|s| (*s, section(s))).collect();
             if self.renderer.splats_light() {
-                found.push(Part::Light(self.lit(weighed)));
+                found.push(Part::Light(self.lit(weighed.into_iter())));
                 continue;
             }
             let (mut sum, mut weight) = (0.0, 0.0);
-            for (s, w) in weighed {
+            for (s, w) in &weighed {
                 sum += w * s.value;
                 weight += w;
             }
@@ -313,9 +314,9 @@ impl SplatModel {
             let divisor = if is_mean { weight } else { divisor };
             // The mean over what is covered, as that of the value is; of a mean by the quotient rule.
             // From the value that weighs most, so that where one point reaches alone there is none to the last bit.
-            let heaviest = parts.iter().max_by(|a, b| section(a).total_cmp(&section(b)));
-            let base = heaviest.map_or(0.0, |s| s.value);
-            let apart: f64 = parts.iter().map(|s| section(s) * (s.value - base)).sum();
+            let heaviest = weighed.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+            let base = heaviest.map_or(0.0, |(s, _)| s.value);
+            let apart: f64 = weighed.iter().map(|(s, w)| w * (s.value - base)).sum();
             let from_value = if is_mean && weight > 0.0 { base + apart / weight } else { 0.0 };
             let sections = parts.iter().map(|s| s.gradient_section(profile, line, from, to) * (s.value - from_value));
             let sloped = sloped && divisor > 0.0;
@@ -323,7 +324,7 @@ impl SplatModel {
             let colors = points.and_then(|points| points.colors()).filter(|_| weight > 0.0);
             let color = colors.map(|colors| {
                 let light = |s: &ExactSplat| DVec3::from(colors[s.index[0]].map(f64::from));
-                (parts.iter().map(|s| light(s) * section(s)).sum::<DVec3>() / weight).to_array()
+                (weighed.iter().map(|(s, w)| light(s) * *w).sum::<DVec3>() / weight).to_array()
             });
             let color = color.or_else(|| self.color_at(line, middle));
             if divisor > 0.0 && !line.in_vacuum(input, middle, 0.0) {
