@@ -59,7 +59,8 @@
 //! No error can be promised.
 //!
 //! # Shading and gradients
-//! Normals are encoded, half a degree off on average, and what they reflect is interpolated. Parallel rays share a table of that. In perspective
+//! Normals are encoded, half a degree off on average, and what they reflect is interpolated: between the voxels of a smooth field that is off by the square of a voxel, in
+//! texels of any size. Parallel rays share a table of that. In perspective
 //! lights at the eye and highlights change from ray to ray: each texel's own ray decides what the normals around its samples reflect.
 //!
 //! If opacity follows the gradient, by a factor or by the rows of a transfer function, each voxel keeps its gradient as three numbers. Values take
@@ -93,7 +94,9 @@
 //! # The nearest voxels
 //! Under the filter nearest, slices hold values of the nearest voxels, or these as they are classified: the light is the same. Slices and texels lie where no
 //! voxel ends: half way between layers an even number of slices to a voxel has none, and texels a voxel wide stand on voxels. Where the field jumps, pictures are off
-//! over a texel's width: the RMSE falls by the order 1 of that. Gradients are those of the voxels, interpolated as under every filter.
+//! over a texel's width: the RMSE falls by the order 1 of that. Gradients are those of the voxels, interpolated as under every filter. Normals of labels and of noise turn
+//! by any angle from voxel to voxel: values reflect by interpolated gradients, not by a mean of what voxels reflect. Voxels that are classified first reflect by their
+//! own, which keeps an error in texels of any size.
 //!
 //! # Colours of voxels
 //! Values in slices have the colour of their place, interpolated as values are, and voxels that are classified first their own; light is multiplied by it before it reflects.

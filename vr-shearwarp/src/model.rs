@@ -18,7 +18,7 @@ use crate::ray_distances::RayDistances;
 use crate::region::Region;
 use crate::shear_warp::ShearWarp;
 use crate::slices::{Sampling, Slice, Slices};
-use crate::steepness::samples_filter_gradients;
+use crate::steepness::{reflects_by_interpolated_gradients, samples_filter_gradients};
 
 /// The sum over slices.
 pub(crate) struct SlicedModel {
@@ -172,11 +172,13 @@ impl SlicedModel {
                 let value: f64 = corners.iter().map(|&(index, _, weight)| weight * stored(index)).sum();
                 // Where samples look at gradients, those are interpolated; else what normals reflect.
                 let colored = self.scene.volume.colors().is_some();
-                if samples_filter_gradients(&self.scene) || self.scene.has_gradient_opacity() || colored {
+                let interpolates = reflects_by_interpolated_gradients(&self.renderer, &self.scene);
+                let of_filter = samples_filter_gradients(&self.scene);
+                if of_filter || interpolates || self.scene.has_gradient_opacity() || colored {
                     let mut at = [0.0; 3];
                     (at[axes[0]], at[axes[1]], at[axes[2]]) = (uv.x, uv.y, slice.layer as f64 + between);
                     let inside = std::array::from_fn(|a| at[a].clamp(0.0, (dims[a] - 1) as f64));
-                    let gradient = if samples_filter_gradients(&self.scene) {
+                    let gradient = if of_filter {
                         self.world(volume.stored_and_gradient_at(at).1)
                     } else {
                         corners.iter().map(|&(index, weight, _)| weight * self.gradient(index)).sum()

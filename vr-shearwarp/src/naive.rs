@@ -18,6 +18,7 @@ use crate::reflections::{Reflection, decode, encode, table};
 use crate::region::Region;
 use crate::shear_warp::{EmptySpace, ShearWarp};
 use crate::slices::{Sampling, Slices};
+use crate::steepness::reflects_by_interpolated_gradients;
 use crate::warp::WarpFilter;
 
 /// One scene of random voxels and a view of it.
@@ -134,7 +135,14 @@ impl Case {
 /// Rounding of a place between two voxels in f32.
 const ON_A_FACE: f64 = 1e-5;
 
-/// Final content of one texel; true with it if under nearest it lies, in any slice, half way between two voxels, where rounding decides which is its own.
+/// Gradients that cancel to this part of their lengths have no direction of their own in f32.
+const NO_DIRECTION: f64 = 1e-4;
+
+/// Light that normals reflect along a ray, by their codes, and by gradients.
+type Reflections<'a> = (&'a dyn Fn(u16) -> Reflection, &'a dyn Fn([f64; 3]) -> Reflection);
+
+/// Final content of one texel; true with it if under nearest rounding decides in any slice: half way between two voxels on which is its own, and between gradients that
+/// cancel on their direction.
 fn texel<P: Code>(
     case: &Case,
     scene: &Scene,
@@ -142,9 +150,10 @@ fn texel<P: Code>(
     slices: &Slices,
     [x, y]: [usize; 2],
     (optics, lengths): (&Optics, &Lengths<P>),
-    reflection: &dyn Fn(u16) -> Reflection,
+    (by_code, by_gradient): Reflections<'_>,
 ) -> ([f64; 4], bool) {
     let axes = slices.axes();
+    let interpolates = case.shaded && reflects_by_interpolated_gradients(&case.renderer, scene);
     let (mut sum, mut is_on_face) = ([0.0f64; 4], false);
     let level = case.level.unwrap_or(1.0);
     let chord = slices.chord(x as f64, y as f64);
@@ -160,6 +169,7 @@ fn texel<P: Code>(
         is_on_face |= case.nearest && place.iter().any(|t| (t - 0.5).abs() < ON_A_FACE);
         let (mut value, mut classified) = (0.0, [0.0f64; 4]);
         let (mut factor, mut added) = ([0.0f64; 4], [0.0f64; 4]);
+        let (mut slope, mut steepness) = ([0.0f64; 3], 0.0f64);
         let layers = if case.renderer.slice_spacing() == 1.0 { 1 } else { 2 };
         let table = &lengths.table;
         for corner in 0..4 * layers {
@@ -179,16 +189,27 @@ fn texel<P: Code>(
             value += of_voxel * f64::from(code);
             let row = P::row(table, P::of(code).place(optics.codes_begin())).map(f64::from);
             let reflection = if case.shaded {
-                reflection(normal(scene, index))
+                by_code(encode(gradient(scene, index)))
             } else {
                 Reflection { factor: [1.0; 4], added: [0.0; 4] }
             };
+            if interpolates {
+                let gradient = gradient(scene, index).map(f64::from);
+                (0..3).for_each(|a| slope[a] += weight * gradient[a]);
+                steepness += weight * gradient.iter().map(|g| g.abs()).sum::<f64>();
+            }
             for c in 0..4 {
                 let (f, a) = (f64::from(reflection.factor[c]), f64::from(reflection.added[c]));
                 factor[c] += weight * f;
                 added[c] += weight * a;
                 classified[c] += of_voxel * (row[c] * f + row[3] * a);
             }
+        }
+        if interpolates {
+            let length = slope.iter().map(|g| g.abs()).sum::<f64>();
+            is_on_face |= steepness > 0.0 && length < NO_DIRECTION * steepness;
+            let reflection = by_gradient(slope);
+            (factor, added) = (reflection.factor.map(f64::from), reflection.added.map(f64::from));
         }
         let mut sample = if case.renderer.classification == Classification::Pre {
             classified
@@ -216,7 +237,7 @@ fn texel<P: Code>(
     (sum, is_on_face)
 }
 
-fn normal(scene: &Scene, index: [usize; 3]) -> u16 {
+fn gradient(scene: &Scene, index: [usize; 3]) -> [f32; 3] {
     struct At([usize; 3]);
     impl LatticeVisitor for At {
         type Output = [f32; 3];
@@ -227,7 +248,7 @@ fn normal(scene: &Scene, index: [usize; 3]) -> u16 {
     let volume = scene.volume.grid().unwrap();
     let spacing = volume.placement().spacing();
     let gradient = volume.with_lattice(At(index));
-    encode(std::array::from_fn(|a| gradient[a] / spacing[a] as f32))
+    std::array::from_fn(|a| gradient[a] / spacing[a] as f32)
 }
 
 /// Differences of the composited texels of all passes from the plain ones.
@@ -293,8 +314,10 @@ fn compare<P: Code>(case: &Case) -> Differences {
                     Some(normal) if case.fov.is_some() => Reflection::new(along.reflect(normal.to_array())),
                     _ => reflections[usize::from(code)],
                 };
+                let by_gradient = |gradient: [f64; 3]| Reflection::new(along.reflect(gradient));
+                let reflections: Reflections<'_> = (&reflection, &by_gradient);
                 let (plain, is_on_face) =
-                    texel(case, &scene, &codes, &slices, [x, y], (&optics, &lengths), &reflection);
+                    texel(case, &scene, &codes, &slices, [x, y], (&optics, &lengths), reflections);
                 let fast = image[y * width + x].map(f64::from);
                 let off = (0..4).map(|c| (plain[c] - fast[c]).abs()).fold(0.0, f64::max);
                 differences.all += 1;

@@ -95,6 +95,7 @@ impl PreparedShearWarp {
             return Ok(());
         }
         let volume = &*self.volume;
+        let shown = Shown::of(&self.renderer, &self.scene);
         control.check()?;
         let rule = self.classified.rule(&self.renderer, &self.scene, self.volume.filter());
         let whole = &mut self.whole;
@@ -106,8 +107,8 @@ impl PreparedShearWarp {
                 rule,
                 between: self.renderer.slice_spacing() < 1.0,
                 empty_space: self.renderer.empty_space,
-                shaded: Shown::of(&self.scene).normals,
-                steep: Shown::of(&self.scene).gradients,
+                shaded: shown.normals,
+                steep: shown.gradients,
                 colors: self.scene.volume.colors().map(|colors| &**colors),
             };
             encoder.encode(axis, whole)
@@ -141,7 +142,7 @@ impl Prepared for PreparedShearWarp {
             *self = Self::new(self.renderer.clone(), scene, control)?;
             return Ok(());
         }
-        let (shown, seen) = (Shown::of(scene), Shown::of(&self.scene));
+        let [shown, seen] = [scene, &self.scene].map(|scene| Shown::of(&self.renderer, scene));
         if self.scene.transfer != scene.transfer || shown != seen {
             self.classified = Classified::new(&self.renderer, scene, &volume, &self.codes);
             self.axes = [None, None, None];
@@ -218,7 +219,7 @@ impl PreparedShearWarp {
     ) -> Result<(), RenderError> {
         let f = &pass.factorization;
         self.image.resize(f.size);
-        let shown = Shown::of(&self.scene);
+        let shown = Shown::of(&self.renderer, &self.scene);
         let shaded = shown.normals;
         let by_rays = index_view.is_perspective();
         if shaded && !by_rays {

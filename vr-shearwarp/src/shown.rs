@@ -2,7 +2,8 @@
 
 use vr_core::{Compositing, Scene};
 
-use crate::steepness::samples_filter_gradients;
+use crate::shear_warp::ShearWarp;
+use crate::steepness::{reflects_by_interpolated_gradients, samples_filter_gradients};
 
 /// Demands of a scene on its encoded volume.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,19 +14,21 @@ pub(crate) struct Shown {
     threshold: Option<f64>,
     /// True if samples reflect light by the codes of voxels' normals. The one surface of `first` has a gradient of its own.
     pub(crate) normals: bool,
-    /// True if samples look at the gradients of voxels: opacity follows them, and they reflect light as well. Where voxels have colours, which come before what
-    /// reflects, they do the latter anyway.
+    /// True if samples look at the gradients of voxels: opacity follows them, and they reflect light as well. They do the latter anyway where voxels have colours,
+    /// which come before what reflects, and where values are those of the nearest voxels.
     pub(crate) gradients: bool,
     /// Factors on the extinction by the gradient, whose ever it is.
     factors: Vec<(f64, f64)>,
 }
 
 impl Shown {
-    pub(crate) fn of(scene: &Scene) -> Self {
+    pub(crate) fn of(renderer: &ShearWarp, scene: &Scene) -> Self {
         let light = scene.compositing.integrates_light();
         let of_voxels = !samples_filter_gradients(scene);
         let reflects = light && of_voxels && scene.reflection().is_some();
-        let follows = scene.has_gradient_opacity() || scene.volume.colors().is_some();
+        let follows = scene.has_gradient_opacity()
+            || scene.volume.colors().is_some()
+            || reflects_by_interpolated_gradients(renderer, scene);
         let threshold = match scene.compositing {
             Compositing::First { threshold } => Some(threshold),
             _ => None,

@@ -1,9 +1,10 @@
 //! Media whose opacity follows the length of the gradient.
 
-use vr_core::{Calibration, Classification, GradientMethod, GridVolume, Scene, TransferFunction};
+use vr_core::{Calibration, Classification, Filter, GradientMethod, GridVolume, Scene, TransferFunction};
 
 use crate::codes::Codes;
 use crate::optics::Optics;
+use crate::shear_warp::ShearWarp;
 
 /// The medium at some lengths of the gradient, between which extinction and emission are linear: the rows of a transfer function, or the points of
 /// the factor on the extinction.
@@ -67,4 +68,12 @@ pub(crate) fn samples_filter_gradients(scene: &Scene) -> bool {
 pub(crate) fn looks_at_filter_gradients(scene: &Scene) -> bool {
     let looks = scene.reflection().is_some() || scene.has_gradient_opacity();
     looks && scene.gradient_shading().is_some_and(|shading| shading.gradient == GradientMethod::Analytic)
+}
+
+/// True if samples reflect light by central differences that are interpolated to them, and not by what the voxels around reflect.
+///
+/// Between the voxels of a smooth field the two differ by the square of a voxel. The nearest voxels are for labels and other fields that are not smooth, in which normals
+/// turn by any angle from voxel to voxel, and the mean of what they reflect is no nearer to the reference in finer texels.
+pub(crate) fn reflects_by_interpolated_gradients(renderer: &ShearWarp, scene: &Scene) -> bool {
+    renderer.classification == Classification::Post && scene.volume.filter() == Some(Filter::Nearest)
 }
