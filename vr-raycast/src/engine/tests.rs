@@ -123,8 +123,6 @@ const OPERATORS: [Compositing; 6] = [
 /// One combination.
 struct Choice<'a> {
     volume: &'a str,
-    /// True if opacity follows the gradient.
-    follows_gradient: bool,
     compositing: Compositing,
     rule: Rule,
     step: Step,
@@ -140,7 +138,6 @@ impl Choice<'_> {
                 Some("values picked from what is no uniform grid")
             }
             "adaptive mesh" | "rectilinear grid" if self.rule == Rule::Left => Some("patches by the rule left"),
-            "adaptive mesh" | "rectilinear grid" if self.follows_gradient => Some("opacity by the gradient in patches"),
             "grid with colours" if self.compositing == Compositing::Average => Some("means of colours"),
             _ if is_local && self.rule == Rule::Left => Some("local steps by the rule left"),
             _ => None,
@@ -183,8 +180,7 @@ fn every_combination_goes_to_the_engine_that_is_told() {
                             Err(error) => panic!("{name}: {error}"),
                         };
                         let is_plain = matches!(engine, Engine::Plain(_) | Engine::Field(..));
-                        let follows_gradient = scene.has_gradient_opacity();
-                        let reason = Choice { volume: name, follows_gradient, compositing, rule, step }.reason();
+                        let reason = Choice { volume: name, compositing, rule, step }.reason();
                         let what =
                             format!("{name}, {}, {look}, {steps} steps, rule {}", compositing.name(), rule.name());
                         assert_eq!(is_plain, reason.is_some(), "{what}: {reason:?}");

@@ -93,7 +93,7 @@ impl PointEngine {
         }
         let cells = points.derived().get((), || PointCells::new(points, &placement, dims).map(Arc::new));
         let cells = cells.as_ref().clone()?;
-        let shading = world_shading(scene, row_tables(scene, &table, calibration, step)?);
+        let shading = world_shading(scene, row_tables(scene, &table, calibration, step)?, 1.0);
         Some(Self {
             points: Arc::clone(points),
             cells,
