@@ -11,7 +11,7 @@ use vr_core::labels::{LabelMap, LabelStyle, LabelledGrid};
 use vr_core::rectilinear::{Centering, RectilinearGrid};
 use vr_core::{
     AnyGrid, Calibration, ColorGrid, Compositing, Control, ControlPoint, Filter, GradientMethod, OpacityRule,
-    Placement, RenderError, Scene, Shading, TransferFunction, UniformGrid, Volume, phantom,
+    Placement, PointMixing, RenderError, Scene, Shading, TransferFunction, UniformGrid, Volume, phantom,
 };
 
 use super::Engine;
@@ -76,6 +76,7 @@ fn volumes() -> Vec<(String, Volume)> {
         }
     }
     let uneven = RectilinearGrid::new([places.clone(), places.clone(), places], uneven, Centering::Points).unwrap();
+    let points = || phantom::points_by_name("turbulence", 50).unwrap();
     let channel = || voxels(|p| (p.x * 9000.0) as u16);
     let colors =
         ColorGrid::new(Volume::from(grid(false)).grid().unwrap().as_ref().clone(), [channel(), channel(), channel()]);
@@ -87,7 +88,9 @@ fn volumes() -> Vec<(String, Volume)> {
     all.extend([
         ("grid with holes".into(), grid(true).into()),
         ("grid with colours".into(), Volume::Color(Arc::new(colors.unwrap()))),
-        ("points".into(), phantom::points_by_name("turbulence", 50).unwrap().into()),
+        ("points".into(), points().into()),
+        ("means of points".into(), points().with_mixing(PointMixing::Mean).unwrap().into()),
+        ("points with colours".into(), points().with_colors(vec![[1.0, 0.5, 0.2]; 50]).unwrap().into()),
         ("adaptive mesh".into(), mesh.into()),
         ("rectilinear grid".into(), Volume::Rectilinear(Arc::new(uneven))),
         ("function".into(), function.into()),
@@ -123,8 +126,6 @@ const OPERATORS: [Compositing; 6] = [
 /// One combination.
 struct Choice<'a> {
     volume: &'a str,
-    /// True if opacity follows the gradient.
-    follows_gradient: bool,
     compositing: Compositing,
     rule: Rule,
     step: Step,
@@ -136,11 +137,12 @@ impl Choice<'_> {
         let is_local = matches!(self.step, Step::Local { .. });
         match self.volume {
             "function" | "labels" | "mesh of cells" => Some("fields that are asked place by place"),
-            "points" | "adaptive mesh" | "rectilinear grid" if !self.compositing.integrates_light() => {
+            "points" | "means of points" | "points with colours" | "adaptive mesh" | "rectilinear grid"
+                if !self.compositing.integrates_light() =>
+            {
                 Some("values picked from what is no uniform grid")
             }
             "adaptive mesh" | "rectilinear grid" if self.rule == Rule::Left => Some("patches by the rule left"),
-            "adaptive mesh" | "rectilinear grid" if self.follows_gradient => Some("opacity by the gradient in patches"),
             "grid with colours" if self.compositing == Compositing::Average => Some("means of colours"),
             _ if is_local && self.rule == Rule::Left => Some("local steps by the rule left"),
             _ => None,
@@ -183,8 +185,7 @@ fn every_combination_goes_to_the_engine_that_is_told() {
                             Err(error) => panic!("{name}: {error}"),
                         };
                         let is_plain = matches!(engine, Engine::Plain(_) | Engine::Field(..));
-                        let follows_gradient = scene.has_gradient_opacity();
-                        let reason = Choice { volume: name, follows_gradient, compositing, rule, step }.reason();
+                        let reason = Choice { volume: name, compositing, rule, step }.reason();
                         let what =
                             format!("{name}, {}, {look}, {steps} steps, rule {}", compositing.name(), rule.name());
                         assert_eq!(is_plain, reason.is_some(), "{what}: {reason:?}");

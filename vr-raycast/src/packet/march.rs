@@ -11,6 +11,7 @@ use vr_kernels::vector::{
 use super::fields::PacketField;
 use super::gaps::{outside_holes, there};
 use super::leap::{Distances, Leaper};
+use super::listed::{ListedSteps, listed};
 use super::local::{LocalSteps, local};
 use super::segments::{SegmentSteps, segments};
 use super::setup::Packet;
@@ -44,6 +45,8 @@ pub(crate) enum MarchSteps<'a> {
     Local(LocalSteps<'a>),
     /// Steps of one length along which the value changes.
     Segments(SegmentSteps<'a>),
+    /// Steps listed for each ray, of fields that jump.
+    Listed(ListedSteps<'a>),
 }
 
 /// Steps of one length.
@@ -66,6 +69,9 @@ pub(crate) struct PacketResult {
 }
 
 /// Takes the packet's rays to their ends. `max_light` is the largest light or opacity that can come from behind, per transmittance left.
+///
+/// # Panics
+/// Panics at listed steps of a kind of field that does not jump: a bug in the caller.
 ///
 /// Its own function, called once a packet: stages that the optimizer can see made are stages that it tries to keep in registers, in vain
 /// and for twice the time.
@@ -91,6 +97,11 @@ pub(crate) fn march<S: Simd, T: PacketField>(
             #[inline(always)]
             || segments(simd, medium, steps, packet, max_light, lights, stages),
         ),
+        MarchSteps::Listed(steps) if T::JUMPS => simd.vectorize(
+            #[inline(always)]
+            || listed(simd, medium, steps, packet, max_light, lights, stages),
+        ),
+        MarchSteps::Listed(_) => unreachable!("only fields that jump have listed steps"),
     }
 }
 

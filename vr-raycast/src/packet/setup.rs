@@ -52,6 +52,8 @@ pub(crate) struct Packet {
     pub(crate) length: [f64; LANES],
     /// Unit vectors along the rays, in the world.
     pub(crate) directions: [[f64; LANES]; 3],
+    /// Begin and length of each step of each ray, in world units from the begin of step 0, where steps are listed.
+    pub(crate) listed: [Vec<(f64, f64)>; LANES],
 }
 
 /// Fraction of a ray's length below which a last step is rounding, as in `Lattice`.
@@ -133,6 +135,7 @@ impl Packet {
         begin: [0.0; LANES],
         length: [0.0; LANES],
         directions: [[0.0; LANES]; 3],
+        listed: [const { Vec::new() }; LANES],
     };
 
     /// Moves the begin of the rays to these steps, or to their last ones.

@@ -20,13 +20,14 @@ pub(super) fn row_tables(
     resolved.then(|| rows.map(|transfer| OpticsTable::new(table, transfer, calibration, step)).collect())
 }
 
-/// Returns the shading of a scene for gradients per world unit; `None` where nothing looks at gradients. `tables`: those of its rows.
-pub(super) fn world_shading(scene: &Scene, tables: Arc<[OpticsTable]>) -> Option<PacketShading> {
+/// Returns the shading of a scene for gradients along the world's axes, counted in so many values per world unit; `None` where nothing looks at gradients.
+/// `tables`: those of its rows.
+pub(super) fn world_shading(scene: &Scene, tables: Arc<[OpticsTable]>, unit: f64) -> Option<PacketShading> {
     let shading = scene.gradient_shading()?;
     let reflects = scene.reflection().is_some();
     let shading = PacketShading {
-        modulation: Modulation::new(&shading, 1.0),
-        rows: RowMixture::new(&scene.transfer, tables, 1.0),
+        modulation: Modulation::new(&shading, unit),
+        rows: RowMixture::new(&scene.transfer, tables, unit),
         shading,
         lights: scene.lights.clone(),
         to_world: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],

@@ -6,7 +6,7 @@ use vr_core::{Counts, MaxRadiance};
 use vr_kernels::vector::{LANES, Lanes, PacketLights, Vectorized};
 
 use super::fields::PacketField;
-use super::march::{Medium, march};
+use super::march::{MarchSteps, Medium, march};
 use super::setup::{FrameSetup, Packet};
 use crate::near_depths::NearDepths;
 use crate::tracer::RaySample;
@@ -55,6 +55,9 @@ impl<T: PacketField> Vectorized for Trace<'_, T> {
             if packet.hits != 0 {
                 if let Some(starts) = self.starts {
                     packet.begin_at(&starts[group * LANES..][..spots.len()]);
+                }
+                if let MarchSteps::Listed(steps) = &self.medium.steps {
+                    steps.fill(setup.rays, spots, &mut packet);
                 }
                 let max_light = self.frame.max_light(&packet);
                 if let Some(shading) = self.medium.shading {

@@ -21,7 +21,7 @@ pub(crate) fn cut_walk(ray: &IndexRay, step: f64, jumps: &[f64], backwards: bool
 
 /// Appends the steps of a lattice, each of which ends early at a jump, so that a sample stands for its own side of it alone; behind a jump comes a very short
 /// one.
-pub(super) fn cut_steps(lattice: &Lattice, jumps: &[f64], steps: &mut Vec<(f64, f64)>) {
+pub(crate) fn cut_steps(lattice: &Lattice, jumps: &[f64], steps: &mut Vec<(f64, f64)>) {
     let (sliver, skin) = (SLIVER * lattice.length, SKIN * lattice.length);
     let mut left = jumps.iter().copied().peekable();
     let mut from = lattice.start;

@@ -13,7 +13,7 @@ mod visible_steps;
 pub(crate) use block_ray::BlockRay;
 #[cfg(feature = "classics")]
 pub(crate) use cells::cell_steps;
-pub(crate) use cut::{SKIN, SLIVER, cut_walk};
+pub(crate) use cut::{SKIN, SLIVER, cut_steps, cut_walk};
 pub(crate) use lattice::{Lattice, SequenceWalk};
 pub(crate) use listed::ListedWalk;
 pub(crate) use sequence::StepSequence;

@@ -9,6 +9,7 @@ mod common;
 mod convergence;
 mod error_bound;
 mod fields;
+mod gradient_patches;
 mod gradient_rows;
 mod homogeneity;
 mod idle_options;

@@ -18,6 +18,9 @@ pub(crate) trait PacketField {
     /// Buffer of voxels between their fetch and their use: a wide load from narrow stores takes its time, which the fetch of the next step hides.
     type Stage: Default;
 
+    /// True if fields of this kind may jump along a ray, so that their steps are listed.
+    const JUMPS: bool = false;
+
     /// True if places have colours that multiply their light.
     #[inline(always)]
     fn has_colors(&self) -> bool {
@@ -63,7 +66,7 @@ pub(crate) trait PacketField {
 
 /// Returns cells and fractions that are kept as lanes.
 #[inline(always)]
-fn cells_of<S: Simd>(simd: S, [cell, fraction]: &[[Lanes; 3]; 2]) -> Cells<S> {
+pub(super) fn cells_of<S: Simd>(simd: S, [cell, fraction]: &[[Lanes; 3]; 2]) -> Cells<S> {
     Cells {
         cell: [
             cell[0].load(simd).to_int::<i32x16<S>>(),

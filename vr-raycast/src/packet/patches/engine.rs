@@ -15,7 +15,7 @@ use vr_kernels::vector::{self, LANES, Lanes, OpticsTable, PacketLights, PacketSh
 use super::axis_table::AxisTable;
 use super::lanes::WorldRay;
 use super::march::{LaneRay, PatchMedium, Patches, Work, march};
-use super::mesh::{MeshBlock, MeshPatches};
+use super::mesh::{MeshBlock, MeshPatches, gradient_length};
 use super::mesh_lattices::MeshLattices;
 use super::mesh_paces::MeshPaces;
 use super::rectilinear::RectilinearPatches;
@@ -25,7 +25,7 @@ use crate::caster::{CompositingOrder, EmptySpace, Precision, RayCaster, Rule, Tr
 use crate::leap::Visibility;
 use crate::pace::{Lengths, Pace};
 use crate::packet::level;
-use crate::packet::shading::world_shading;
+use crate::packet::shading::{row_tables, world_shading};
 use crate::source::Source;
 use crate::table_range::{MAX_ROUNDING, field_range};
 use crate::tracer::{RaySample, Tracer};
@@ -55,13 +55,13 @@ enum PatchVolume {
 }
 
 impl PatchVolume {
-    fn new(volume: &Volume, pace: &Pace<f32>, is_shaded: bool) -> Option<Self> {
+    fn new(volume: &Volume, pace: &Pace<f32>, has_gradients: bool) -> Option<Self> {
         match volume {
             Volume::Amr(grid) => {
                 let blocks = grid.derived().get((), || MeshBlock::all_of(grid));
                 let paces = Arc::new(MeshPaces::new(grid, pace));
                 let lattices = grid.derived().get((), || MeshLattices::new(grid));
-                lattices.make(grid, is_shaded, |block| paces.is_seen(grid, block));
+                lattices.make(grid, has_gradients, |block| paces.is_seen(grid, block));
                 Some(Self::Amr { grid: Arc::clone(grid), blocks, lattices, paces })
             }
             Volume::Rectilinear(grid) => {
@@ -69,6 +69,16 @@ impl PatchVolume {
                 Some(Self::Rectilinear(Arc::clone(grid), RectilinearPatches::tables(grid), paces))
             }
             _ => None,
+        }
+    }
+
+    /// Values per world unit that a gradient of 1 stands for, as the patches tell gradients.
+    fn gradient_unit(&self) -> f64 {
+        match self {
+            Self::Amr { grid, .. } => 1.0 / gradient_length(grid),
+            Self::Rectilinear(grid, ..) => {
+                grid.lattice().calibration().slope.abs() / RectilinearPatches::gradient_length(grid)
+            }
         }
     }
 }
@@ -95,12 +105,10 @@ impl PatchEngine {
             Compositing::Accumulate { level } => (level, 0.0),
             _ => return None,
         };
-        let plain = scene.shading.as_ref().is_none_or(|shading| shading.gradient_opacity.is_empty())
-            && !scene.transfer.has_rows()
-            && matches!(caster.rule, Rule::Auto | Rule::Midpoint)
+        let is_drawn = matches!(caster.rule, Rule::Auto | Rule::Midpoint)
             && caster.transfer_lookup != TransferLookup::Exact
             && caster.precision == Precision::F32;
-        if !plain {
+        if !is_drawn {
             return None;
         }
         let (range, calibration) = range_of(&scene.volume)?;
@@ -116,8 +124,10 @@ impl PatchEngine {
         let leaps = caster.empty_space != EmptySpace::None;
         let visibility = leaps.then(|| Visibility::of_light(&scene.transfer, calibration, Some(&table), None));
         let pace = Pace { lengths, visibility };
-        let volume = PatchVolume::new(&scene.volume, &pace, scene.reflection().is_some())?;
-        let shading = world_shading(scene, Arc::default());
+        let rows = row_tables(scene, &table, calibration, unit)?;
+        let has_gradients = scene.reflection().is_some() || scene.has_gradient_opacity();
+        let volume = PatchVolume::new(&scene.volume, &pace, has_gradients)?;
+        let shading = world_shading(scene, rows, volume.gradient_unit());
         Some(Self {
             volume,
             level,

@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use vr_core::{IndexRay, Ray};
 use vr_kernels::vector::{
-    LANES, Lanes, OpticsTable, PacketLights, PacketShading, Shade, Stage, Sums, pick, splat, step_light,
+    LANES, Lanes, OpticsTable, PacketLights, PacketShading, Shade, Stage, StepOptics, Sums, pick, splat, step_light,
 };
 
 use super::lanes::{LaneSteps, WorldRay};
@@ -178,8 +178,10 @@ fn through<S: Simd, P: Patches, I: Iterator<Item = Part>>(
         let value_then = medium.patches.complete(simd, within, steps, then, &place_then, bits_then, value_then);
         let light = light_of(simd, medium, rows.at(simd, known(simd, value)), value, length);
         let light_then = light_of(simd, medium, rows.at(simd, known(simd, value_then)), value_then, length);
-        let light = shaded(simd, medium, lights, (within, steps), (live, number, &place), light, around);
-        let light_then = shaded(simd, medium, lights, (within, steps), (twice, then, &place_then), light_then, around);
+        let optics = (value, length);
+        let light = shaded(simd, medium, lights, (within, steps), (live, number, &place), optics, light, around);
+        let (lanes, optics) = ((twice, then, &place_then), (value_then, length));
+        let light_then = shaded(simd, medium, lights, (within, steps), lanes, optics, light_then, around);
         // Composite them front to back.
         samples += bits.count_ones();
         let step = [begin + number * length, length];
@@ -262,25 +264,40 @@ fn light_of<S: Simd, P>(
     [pick(is_value, r, zero), pick(is_value, g, zero), pick(is_value, b, zero), pick(is_value, a, zero)]
 }
 
-/// Light after shading, where something is shaded, of samples of live lanes.
+/// Light after shading, where something is shaded, of samples of live lanes: values at places, which stand for steps of a length.
 #[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "lanes in registers: what held them would be kept in memory")]
 fn shaded<S: Simd, P: Patches>(
     simd: S,
     medium: &PatchMedium<'_, P>,
     lights: &PacketLights,
     (within, steps): (&P::Lanes, &LaneSteps),
     (live, number, place): (mask32x16<S>, f32x16<S>, &Place<S>),
+    (value, length): (f32x16<S>, f32x16<S>),
     light: [f32x16<S>; 4],
     around: &mut P::Around,
 ) -> [f32x16<S>; 4] {
     let Some(shading) = medium.shading else { return light };
     let [r, g, b, alpha] = light;
-    let bits = (live & alpha.simd_gt(splat(simd, 0.0))).to_bitmask() as u32;
+    // What shines without absorbing has a row, too.
+    let seen = if shading.rows.is_some() { r.max(g).max(b).max(alpha) } else { alpha };
+    let bits = (live & seen.simd_gt(splat(simd, 0.0))).to_bitmask() as u32;
     if bits == 0 {
         return light;
     }
     let gradient = medium.patches.gradients(simd, within, steps, number, place, bits, around);
     let mut lanes = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(alpha)];
-    Shade { shading, lights }.apply_to_gradients(simd, &gradient, &mut lanes);
+    let shade = Shade { shading, lights };
+    if shading.follows_gradients() {
+        let value = known(simd, value);
+        let [r, g, b, kappa] = medium.optics.rows().at(simd, value);
+        let row = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(kappa)];
+        let (value, length) = (Lanes::new(value), Lanes::new(length));
+        let optics = StepOptics { value, row, length, emits: medium.optics.emits };
+        shade.modulate(simd, &gradient, &optics, &mut lanes);
+    }
+    if shading.reflects {
+        shade.apply_to_gradients(simd, &gradient, &mut lanes);
+    }
     [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)]
 }

@@ -25,7 +25,7 @@ pub(crate) struct MeshBlock {
 impl MeshBlock {
     pub(crate) fn all_of(grid: &AmrGrid) -> Vec<Self> {
         let samples = grid.samples();
-        let unit = gradient_unit(grid);
+        let unit = gradient_length(grid);
         let shift = AmrLattice::border(grid.centring()) as f64;
         let of = |(number, block): (usize, &vr_core::amr::AmrBlock)| {
             let spacing = grid.spacing_of(block.level);
@@ -43,7 +43,7 @@ impl MeshBlock {
 }
 
 /// World length that gradients are counted in.
-pub(super) fn gradient_unit(grid: &AmrGrid) -> f64 {
+pub(super) fn gradient_length(grid: &AmrGrid) -> f64 {
     grid.finest_spacing().min_element()
 }
 

@@ -5,7 +5,7 @@ use vr_core::amr::AmrLattice;
 use vr_kernels::vector::{LANES, Lanes, Stencils};
 
 use super::lanes::LaneSteps;
-use super::mesh::{MeshLanes, MeshPatches, gradient_unit};
+use super::mesh::{MeshLanes, MeshPatches, gradient_length};
 use super::mesh_lattices::stencil;
 use super::mesh_rim::MeshRim;
 
@@ -87,7 +87,7 @@ impl<'a> MeshPatches<'a> {
     ) {
         let rim = MeshRim { grid: self.grid, samples: self.samples, lattices: self.lattices };
         let border = AmrLattice::border(self.grid.centring()) as i32;
-        let unit = gradient_unit(self.grid);
+        let unit = gradient_length(self.grid);
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
             let low = [low[0][lane] - border, low[1][lane] - border, low[2][lane] - border];
             let fraction = [fraction[0][lane], fraction[1][lane], fraction[2][lane]];

@@ -60,9 +60,13 @@ impl<'a> RectilinearPatches<'a> {
 
     /// Makes the tables of a grid's axes, or returns those that are kept with it.
     pub(crate) fn tables(grid: &RectilinearGrid) -> std::sync::Arc<[AxisTable; 3]> {
-        let unit = grid.axes().iter().map(Axis::smallest_step).fold(f64::INFINITY, f64::min);
         let is_analytic = grid.gradient_method() == vr_core::GradientMethod::Analytic;
-        grid.derived().get(is_analytic, || AxisTable::all_of(grid, unit))
+        grid.derived().get(is_analytic, || AxisTable::all_of(grid, Self::gradient_length(grid)))
+    }
+
+    /// World length that gradients are counted in.
+    pub(crate) fn gradient_length(grid: &RectilinearGrid) -> f64 {
+        grid.axes().iter().map(Axis::smallest_step).fold(f64::INFINITY, f64::min)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Lists of the points whose supports reach into the cells of a lattice.
 
 use glam::DVec3;
-use vr_core::{Placement, PointSet};
+use vr_core::{Placement, PointMixing, PointSet};
 
 /// Support as seen from a cell that it reaches into.
 #[derive(Clone, Copy, Debug)]
@@ -12,6 +12,17 @@ pub(super) struct NearPoint {
     pub(super) per_square: f32,
     /// Largest contribution, by the kernel's table: w·v/R³.
     pub(super) amplitude: f32,
+}
+
+/// Weight of a support in means, and what the point carries into them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Carried {
+    /// Largest weight, by the kernel's table: w/R³.
+    pub(super) weight: f32,
+    /// Value of the point.
+    pub(super) value: f32,
+    /// Colour of the point; white where it has none.
+    pub(super) color: [f32; 3],
 }
 
 /// Lists of the points whose supports reach into the cells of lattices: of small supports into small cells, and of large ones into larger cells.
@@ -36,6 +47,8 @@ pub(super) struct PointLevel {
     /// Begin of the list of each cell, and the end of the last.
     first: Vec<u32>,
     points: Vec<NearPoint>,
+    /// Part of each point in means; empty where a set has none.
+    carried: Vec<Carried>,
 }
 
 /// Shift of the smallest cells, twice as long as those of the field's lattice, whose edges are about half the mean radius: lists of smaller cells hold fewer
@@ -43,7 +56,7 @@ pub(super) struct PointLevel {
 const SMALLEST: u32 = 1;
 /// Radius of the largest supports in a level, in edges of its cells. Sets whose radii are alike have one level.
 const LARGEST_RADIUS: f64 = 2.0;
-/// Largest numbers of cells of a level, and of entries of all lists (320 MB).
+/// Largest numbers of cells of a level, and of entries of all lists (320 MB, and as much again with what means are made of).
 const MAX_CELLS: usize = 1 << 26;
 const MAX_ENTRIES: usize = 1 << 24;
 
@@ -110,25 +123,40 @@ impl PointLevel {
         }
         let none = NearPoint { offset: [0.0; 3], per_square: 0.0, amplitude: 0.0 };
         let mut near = vec![none; entries];
+        let has_means = points.mixing() == PointMixing::Mean || points.colors().is_some();
+        let nothing = Carried { weight: 0.0, value: 0.0, color: [1.0; 3] };
+        let mut carried = vec![nothing; if has_means { entries } else { 0 }];
         let mut next = first.clone();
         let mut holds = true;
         for &k in own {
             let radius = f64::from(points.radii()[k]) / spacing;
             let (per_square, amplitude) = ((1.0 / (radius * radius)) as f32, points.amplitude(k) as f32);
-            holds &= per_square.is_normal() && amplitude.is_finite();
+            let color = points.colors().map_or([1.0; 3], |colors| colors[k]);
+            let own = Carried { weight: points.weight_density(k) as f32, value: points.values()[k], color };
+            holds &= per_square.is_normal() && amplitude.is_finite() && (!has_means || own.weight.is_normal());
             each_cell(points, k, lattice, |cell, corner| {
                 let offset = ((points.positions()[k] - corner) / spacing).as_vec3().to_array();
-                near[next[cell] as usize] = NearPoint { offset, per_square, amplitude };
+                let entry = next[cell] as usize;
+                near[entry] = NearPoint { offset, per_square, amplitude };
+                if has_means {
+                    carried[entry] = own;
+                }
                 next[cell] += 1;
             });
         }
-        holds.then_some(Self { shift, cells, first, points: near })
+        holds.then_some(Self { shift, cells, first, points: near, carried })
     }
 
     /// Returns the points that reach into a cell.
     #[inline(always)]
     pub(super) fn of(&self, cell: usize) -> &[NearPoint] {
         &self.points[self.first[cell] as usize..self.first[cell + 1] as usize]
+    }
+
+    /// Returns the parts of these points in means.
+    #[inline(always)]
+    pub(super) fn carried(&self, cell: usize) -> &[Carried] {
+        &self.carried[self.first[cell] as usize..self.first[cell + 1] as usize]
     }
 }
 

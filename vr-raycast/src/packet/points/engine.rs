@@ -7,16 +7,19 @@ use glam::DVec3;
 use vr_core::image_order::ImageSample;
 use vr_core::{
     Calibration, Compositing, Counts, Layer, MaxRadiance, ParameterError, Placement, PointMixing, PointSet, Rays,
-    Scene, View, Volume,
+    Scene, TransferFunction, View, Volume,
 };
 use vr_kernels::tables::{BakedTransfer, rounding_over, table_range};
 use vr_kernels::vector::{self, OpticsTable, PacketShading, Rows};
 
 use super::cells::PointCells;
+use super::even_ramps::EvenRamps;
 use super::field::PointField;
+use super::mean_steps::MeanSteps;
 use crate::caster::{CompositingOrder, Precision, RayCaster, Rule, Step, TransferLookup};
 use crate::packet::engine::MAX_STEPS;
 use crate::packet::level;
+use crate::packet::listed::ListedSteps;
 use crate::packet::march::{LatticeSteps, MarchSteps, Medium};
 use crate::packet::setup::FrameSetup;
 use crate::packet::shading::{row_tables, world_shading};
@@ -37,6 +40,8 @@ pub(crate) struct PointEngine {
     table: Arc<BakedTransfer<f32>>,
     /// Table for steps of any length, in units of `step`.
     optics: OpticsTable,
+    /// Places that tables are over; `None` if they are over values.
+    ramps: Option<Arc<EvenRamps>>,
     /// Length of a step in world units.
     step: f64,
     /// Place of a step's sample, as a fraction of the step.
@@ -54,10 +59,6 @@ impl PointEngine {
     pub(crate) fn new(caster: &RayCaster, scene: &Scene, source: &Source) -> Option<Self> {
         let level = level::of(caster.vector)?;
         let Volume::Points(points) = &scene.volume else { return None };
-        // Means, and colours of places, are the plain engine's.
-        if points.mixing() == PointMixing::Mean || points.colors().is_some() {
-            return None;
-        }
         let CompositingOrder::FrontToBack { termination } = caster.order else { return None };
         // A cut sum is ended by its cut alone.
         let (cut, negligible) = match scene.compositing {
@@ -74,34 +75,37 @@ impl PointEngine {
         let (placement, dims) = (*source.placement(), source.dims());
         let step = caster.world_step(&placement);
         let (low, high) = points.bounds();
-        if 2.0 * (high - low).length() / step >= MAX_STEPS {
+        let max_steps = if points.mixing() == PointMixing::Mean { MAX_LISTED } else { MAX_STEPS };
+        if 2.0 * (high - low).length() / step >= max_steps {
             return None;
         }
-        // The sum is known to some roundings of its largest value. Beyond its points, a transfer function is constant.
-        let largest = points.value_range().0.abs().max(points.value_range().1.abs());
+        let largest = largest_value(points);
         let calibration = Calibration::default();
         if rounding_over((-largest, largest), calibration, false, &scene.transfer) > MAX_ROUNDING {
             return None;
         }
-        let ends = scene.transfer.points();
-        let (first, last) = (ends[0].value, ends[ends.len() - 1].value);
-        let margin = (last - first).max(largest);
-        let places = table_range((first - margin, last + margin), false, calibration, &scene.transfer);
-        let table = Arc::new(BakedTransfer::<f32>::new(&scene.transfer, calibration, places, false, step));
-        if !table.resolves() {
-            return None;
-        }
+        // Where a table over values does not resolve the transfer function, one over places does.
+        let table_of = |transfer: &TransferFunction| table_of(transfer, largest, step);
+        let (table, ramps) = match table_of(&scene.transfer) {
+            Some(table) => (table, None),
+            None => {
+                let (ramps, transfer) = EvenRamps::of(&scene.transfer)?;
+                (table_of(&transfer)?, Some((Arc::new(ramps), transfer)))
+            }
+        };
         let cells = points.derived().get((), || PointCells::new(points, &placement, dims).map(Arc::new));
         let cells = cells.as_ref().clone()?;
-        let shading = world_shading(scene, row_tables(scene, &table, calibration, step)?);
+        let transfer = ramps.as_ref().map_or(&*scene.transfer, |(_, transfer)| transfer);
+        let shading = world_shading(scene, row_tables(scene, &table, calibration, step)?, 1.0);
         Some(Self {
             points: Arc::clone(points),
             cells,
             placement,
             dims,
             level,
-            optics: OpticsTable::new(&table, &scene.transfer, calibration, step),
+            optics: OpticsTable::new(&table, transfer, calibration, step),
             table,
+            ramps: ramps.map(|(ramps, _)| ramps),
             step,
             offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
             negligible,
@@ -110,6 +114,28 @@ impl PointEngine {
             shading,
         })
     }
+}
+
+/// Largest number of steps of a ray that are listed: 1 MiB.
+const MAX_LISTED: f64 = (1 << 16) as f64;
+
+/// Largest size of a value of a set, but for what a sum may be larger than at points' own places: it is known to some roundings of that.
+fn largest_value(points: &PointSet) -> f64 {
+    match points.mixing() {
+        PointMixing::Sum => points.value_range().0.abs().max(points.value_range().1.abs()),
+        PointMixing::Mean => points.values().iter().map(|&value| f64::from(value).abs()).fold(0.0, f64::max),
+    }
+}
+
+/// Makes the table of a transfer function for steps of a length, over all values, whose largest is about so large: beyond its points, it is constant. `None` if
+/// its entries do not resolve it.
+fn table_of(transfer: &TransferFunction, largest: f64, step: f64) -> Option<Arc<BakedTransfer<f32>>> {
+    let (points, calibration) = (transfer.points(), Calibration::default());
+    let (first, last) = (points[0].value, points[points.len() - 1].value);
+    let margin = (last - first).max(largest);
+    let places = table_range((first - margin, last + margin), false, calibration, transfer);
+    let table = BakedTransfer::<f32>::new(transfer, calibration, places, false, step);
+    table.resolves().then(|| Arc::new(table))
 }
 
 /// Vector engine with a view.
@@ -140,11 +166,26 @@ impl Tracer for PointFrame<'_> {
         // W(t) over the same without its factor, at a place where neither is small.
         let factor =
             kernel.at(0.0) / if kernel == vr_core::PointKernel::Gaussian { 1.0 - libm::exp(-4.5) } else { 1.0 };
+        let steps = MeanSteps { points: &engine.points, step: engine.step };
         let medium = Medium {
-            field: PointField { cells: &engine.cells, kernel, factor: factor as f32 },
+            field: PointField {
+                cells: &engine.cells,
+                kernel,
+                factor: factor as f32,
+                mixing: engine.points.mixing(),
+                has_colors: engine.points.colors().is_some(),
+                ramps: engine.ramps.as_deref(),
+            },
             vacuum: None,
             dims: engine.dims,
-            steps: MarchSteps::Lattice(LatticeSteps { rows: Rows::new(&engine.table), distances: None }),
+            steps: match engine.points.mixing() {
+                PointMixing::Sum => {
+                    MarchSteps::Lattice(LatticeSteps { rows: Rows::new(&engine.table), distances: None })
+                }
+                PointMixing::Mean => {
+                    MarchSteps::Listed(ListedSteps { steps: &steps, unit: engine.step, offset: engine.offset })
+                }
+            },
             optics: &engine.optics,
             shading: engine.shading.as_ref(),
             follows_normals: false,

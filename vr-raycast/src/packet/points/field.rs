@@ -2,11 +2,12 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
-use vr_core::PointKernel;
+use vr_core::{PointKernel, PointMixing};
 use vr_kernels::vector::{Cells, LANES, Lanes, Shade, StepOptics, opacity_of_depth, pick, splat};
 
-use super::cells::{NearPoint, PointCells};
-use crate::packet::fields::PacketField;
+use super::cells::{Carried, NearPoint, PointCells};
+use super::even_ramps::EvenRamps;
+use crate::packet::fields::{PacketField, cells_of};
 
 /// Field of scattered points.
 #[derive(Clone, Copy)]
@@ -15,32 +16,97 @@ pub(super) struct PointField<'a> {
     pub(super) kernel: PointKernel,
     /// One over the kernel's integral: W(0) of the cubic spline and the cone; of the Gaussian, what its exponentials are multiplied by.
     pub(super) factor: f32,
+    /// Combination of the values.
+    pub(super) mixing: PointMixing,
+    /// True if the points have colours.
+    pub(super) has_colors: bool,
+    /// Places that stand for values in the tables; `None` where values do.
+    pub(super) ramps: Option<&'a EvenRamps>,
 }
 
-/// Values at the places that were fetched last, and 1 where there are any.
+/// Samples at the places that were fetched last.
 pub(super) struct PointStage {
+    /// Values as tables number them.
     values: Lanes,
+    /// 1 where there are any.
     exists: Lanes,
+    /// The mean of the values, and its weight without the kernel's factor; of sums neither is known.
+    mean: Lanes,
+    weight: Lanes,
 }
 
 impl Default for PointStage {
     fn default() -> Self {
-        Self { values: Lanes::ZERO, exists: Lanes::ZERO }
+        Self { values: Lanes::ZERO, exists: Lanes::ZERO, mean: Lanes::ZERO, weight: Lanes::ZERO }
     }
 }
+
+/// Sums of a mean at sixteen places. Each point adds its difference from one of them, the base: what all points share is the mean to the last bit, and its
+/// gradient is 0.
+struct MeanSums<S: Simd, const N: usize> {
+    base: [f32x16<S>; N],
+    sum: [f32x16<S>; N],
+    weight: f32x16<S>,
+    /// 1 where a point is near.
+    exists: f32x16<S>,
+}
+
+impl<S: Simd, const N: usize> MeanSums<S, N> {
+    #[inline(always)]
+    fn new(simd: S) -> Self {
+        let zero = splat(simd, 0.0);
+        Self { base: [zero; N], sum: [zero; N], weight: zero, exists: zero }
+    }
+
+    /// Adds what a point carries, by its weight at the places that it reaches.
+    #[inline(always)]
+    fn add(&mut self, simd: S, carried: [f32; N], weight: f32x16<S>, inside: mask32x16<S>) {
+        let weight = pick(inside, weight.max(splat(simd, 0.0)), splat(simd, 0.0));
+        let is_first = inside & self.exists.simd_le(splat(simd, 0.0));
+        self.exists = pick(inside, splat(simd, 1.0), self.exists);
+        self.weight += weight;
+        for c in 0..N {
+            self.base[c] = pick(is_first, splat(simd, carried[c]), self.base[c]);
+            self.sum[c] += weight * (splat(simd, carried[c]) - self.base[c]);
+        }
+    }
+
+    /// The means; the base where all kernels vanish by rounding.
+    #[inline(always)]
+    fn means(&self, simd: S) -> [f32x16<S>; N] {
+        let per_weight = reciprocal_of_weight(simd, self.weight);
+        let mut means = self.base;
+        for c in 0..N {
+            means[c] += self.sum[c] * per_weight;
+        }
+        means
+    }
+}
+
+/// One over a weight; 0 over one that has vanished by rounding.
+#[inline(always)]
+fn reciprocal_of_weight<S: Simd>(simd: S, weight: f32x16<S>) -> f32x16<S> {
+    let one = splat(simd, 1.0);
+    let has_weight = weight.simd_gt(splat(simd, f32::MIN_POSITIVE));
+    pick(has_weight, one / pick(has_weight, weight, one), splat(simd, 0.0))
+}
+
+/// Part in means of points that have none.
+const NOTHING: Carried = Carried { weight: 0.0, value: 0.0, color: [0.0; 3] };
 
 /// −ln of a Gaussian at its radius, and the Gaussian there.
 const GAUSSIAN: f32 = 4.5;
 const GAUSSIAN_EDGE: f32 = 0.011_108_997;
 
 impl PointField<'_> {
-    /// Calls `add` with each point near sixteen places: the vectors from it to them, the squares of their lengths in radii, and the lanes in the support.
+    /// Calls `add` with each point near sixteen places, and its part in means where these are asked for: the vectors from it to them, the squares of their
+    /// lengths in radii, and the lanes in the support.
     #[inline(always)]
-    fn each_near<S: Simd>(
+    fn each_near<S: Simd, const MEANS: bool>(
         &self,
         simd: S,
         at: &Cells<S>,
-        mut add: impl FnMut(&NearPoint, [f32x16<S>; 3], f32x16<S>, mask32x16<S>),
+        mut add: impl FnMut(&NearPoint, &Carried, [f32x16<S>; 3], f32x16<S>, mask32x16<S>),
     ) {
         for level in &self.cells.levels {
             // Offsets from the lower corners of the lists' cells, and the numbers of these.
@@ -59,12 +125,14 @@ impl PointField<'_> {
                 let cell = cells[left.trailing_zeros() as usize];
                 let here = index.simd_eq(fearless_simd::i32x16::splat(simd, cell));
                 left &= !(here.to_bitmask() as u32);
-                for point in level.of(cell as u32 as usize) {
+                let cell = cell as u32 as usize;
+                let carried = if MEANS { level.carried(cell) } else { &[] };
+                for (i, point) in level.of(cell).iter().enumerate() {
                     let from = [offset[0] - point.offset[0], offset[1] - point.offset[1], offset[2] - point.offset[2]];
                     let square = (from[0] * from[0] + from[1] * from[1] + from[2] * from[2]) * point.per_square;
                     let inside = here & square.simd_lt(splat(simd, 1.0));
                     if inside.any_true() {
-                        add(point, from, square, inside);
+                        add(point, if MEANS { &carried[i] } else { &NOTHING }, from, square, inside);
                     }
                 }
             }
@@ -110,28 +178,133 @@ impl PointField<'_> {
     fn sample<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut PointStage) {
         simd.vectorize(
             #[inline(always)]
-            || {
-                let zero = splat(simd, 0.0);
-                let (mut sum, mut exists) = (zero, zero);
-                self.each_near(
-                    simd,
-                    at,
-                    #[inline(always)]
-                    |point, _, square, inside| {
-                        let added = self.kernel(simd, square) * point.amplitude;
-                        sum += pick(inside, added, zero);
-                        exists = pick(inside, splat(simd, 1.0), exists);
-                    },
-                );
-                stage.values = Lanes::new(sum * self.factor);
-                stage.exists = Lanes::new(exists);
+            || match self.mixing {
+                PointMixing::Sum => self.sample_sums(simd, at, stage),
+                PointMixing::Mean => self.sample_means(simd, at, stage),
             },
         );
+    }
+
+    #[inline(always)]
+    fn sample_sums<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut PointStage) {
+        let zero = splat(simd, 0.0);
+        let (mut sum, mut exists) = (zero, zero);
+        self.each_near::<S, false>(
+            simd,
+            at,
+            #[inline(always)]
+            |point, _, _, square, inside| {
+                let added = self.kernel(simd, square) * point.amplitude;
+                sum += pick(inside, added, zero);
+                exists = pick(inside, splat(simd, 1.0), exists);
+            },
+        );
+        stage.values = self.numbered(simd, sum * self.factor);
+        stage.exists = Lanes::new(exists);
+    }
+
+    #[inline(always)]
+    fn sample_means<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut PointStage) {
+        let mut sums = MeanSums::<S, 1>::new(simd);
+        self.each_near::<S, true>(
+            simd,
+            at,
+            #[inline(always)]
+            |_, carried, _, square, inside| {
+                sums.add(simd, [carried.value], self.kernel(simd, square) * carried.weight, inside);
+            },
+        );
+        let [mean] = sums.means(simd);
+        (stage.mean, stage.weight) = (Lanes::new(mean), Lanes::new(sums.weight));
+        stage.values = self.numbered(simd, mean);
+        stage.exists = Lanes::new(sums.exists);
+    }
+
+    /// Values as tables number them.
+    #[inline(always)]
+    fn numbered<S: Simd>(&self, simd: S, value: f32x16<S>) -> Lanes {
+        match self.ramps {
+            Some(ramps) => ramps.places(simd, value),
+            None => Lanes::new(value),
+        }
+    }
+
+    /// Multiplies light by the colours of places, the weighted means of those of the points.
+    #[inline(never)]
+    fn tint<S: Simd>(&self, simd: S, place: &[[Lanes; 3]; 2], light: &mut [Lanes; 4]) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let mut sums = MeanSums::<S, 3>::new(simd);
+                self.each_near::<S, true>(
+                    simd,
+                    &cells_of(simd, place),
+                    #[inline(always)]
+                    |_, carried, _, square, inside| {
+                        sums.add(simd, carried.color, self.kernel(simd, square) * carried.weight, inside);
+                    },
+                );
+                let color = sums.means(simd);
+                for c in 0..3 {
+                    light[c] = Lanes::new(light[c].load(simd) * color[c]);
+                }
+            },
+        );
+    }
+
+    /// Gradient of a sum in units of the spacing, without the kernel's factor.
+    #[inline(always)]
+    fn sum_gradient<S: Simd>(&self, simd: S, at: &Cells<S>) -> [f32x16<S>; 3] {
+        let zero = splat(simd, 0.0);
+        let mut sum = [zero; 3];
+        self.each_near::<S, false>(
+            simd,
+            at,
+            #[inline(always)]
+            |point, _, from, square, inside| {
+                let slope = self.slope(simd, square) * (point.amplitude * point.per_square);
+                let slope = pick(inside, slope, zero);
+                for a in 0..3 {
+                    sum[a] += from[a] * slope;
+                }
+            },
+        );
+        sum
+    }
+
+    /// Gradient of a mean in units of the spacing, (Σ w (v − mean) ∇W) / Σ w W by the quotient rule.
+    #[inline(always)]
+    fn mean_gradient<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &PointStage) -> [f32x16<S>; 3] {
+        let (zero, mean) = (splat(simd, 0.0), stage.mean.load(simd));
+        let mut rise = [zero; 3];
+        self.each_near::<S, true>(
+            simd,
+            at,
+            #[inline(always)]
+            |point, carried, from, square, inside| {
+                let apart = splat(simd, carried.value) - mean;
+                let slope = self.slope(simd, square) * (carried.weight * point.per_square) * apart;
+                let slope = pick(inside, slope, zero);
+                for a in 0..3 {
+                    rise[a] += from[a] * slope;
+                }
+            },
+        );
+        let per_weight = reciprocal_of_weight(simd, stage.weight.load(simd));
+        [rise[0] * per_weight, rise[1] * per_weight, rise[2] * per_weight]
     }
 }
 
 impl PacketField for PointField<'_> {
     type Stage = PointStage;
+
+    /// A mean begins and ends with its vacuum.
+    const JUMPS: bool = true;
+
+    #[inline(always)]
+    fn has_colors(&self) -> bool {
+        self.has_colors
+    }
 
     #[inline(always)]
     fn fetch<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut PointStage) {
@@ -154,34 +327,22 @@ impl PacketField for PointField<'_> {
     fn gradients<S: Simd>(
         &self,
         simd: S,
-        [cell, fraction]: &[[Lanes; 3]; 2],
+        place: &[[Lanes; 3]; 2],
         _: &[Lanes; 3],
-        _: &mut PointStage,
+        stage: &mut PointStage,
     ) -> [[Lanes; 3]; 2] {
         let mut found = [[Lanes::ZERO; 3]; 2];
         simd.vectorize(
             #[inline(always)]
             || {
-                let zero = splat(simd, 0.0);
-                let at = Cells {
-                    cell: [cell[0].load(simd).to_int(), cell[1].load(simd).to_int(), cell[2].load(simd).to_int()],
-                    fraction: [fraction[0].load(simd), fraction[1].load(simd), fraction[2].load(simd)],
+                let at = cells_of(simd, place);
+                let (gradient, factor) = match self.mixing {
+                    PointMixing::Sum => (self.sum_gradient(simd, &at), self.factor),
+                    PointMixing::Mean => (self.mean_gradient(simd, &at, stage), 1.0),
                 };
-                let mut sum = [zero; 3];
-                self.each_near(
-                    simd,
-                    &at,
-                    #[inline(always)]
-                    |point, from, square, inside| {
-                        let slope = self.slope(simd, square) * (point.amplitude * point.per_square);
-                        let slope = pick(inside, slope, zero);
-                        for a in 0..3 {
-                            sum[a] += from[a] * slope;
-                        }
-                    },
-                );
-                let unit = self.factor / self.cells.spacing as f32;
-                found[0] = [Lanes::new(sum[0] * unit), Lanes::new(sum[1] * unit), Lanes::new(sum[2] * unit)];
+                let unit = factor / self.cells.spacing as f32;
+                found[0] =
+                    [Lanes::new(gradient[0] * unit), Lanes::new(gradient[1] * unit), Lanes::new(gradient[2] * unit)];
             },
         );
         found
@@ -198,8 +359,16 @@ impl PacketField for PointField<'_> {
         light: &mut [Lanes; 4],
         stage: &mut PointStage,
     ) {
-        let Some(shade) = shade else { return };
+        let tint = |light: &mut [Lanes; 4]| {
+            if self.has_colors {
+                self.tint(simd, at, light);
+            }
+        };
+        let Some(shade) = shade else {
+            tint(light);
+            return;
+        };
         let gradients = self.gradients(simd, at, step, stage);
-        shade.apply_by(simd, &gradients, optics, light, |_| ());
+        shade.apply_by(simd, &gradients, optics, light, tint);
     }
 }

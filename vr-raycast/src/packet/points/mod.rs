@@ -3,10 +3,15 @@
 //! The plain engine finds the supports around each place in a tree, and adds them up in f64. Here the supports that reach into each cell of coarse
 //! lattices, one for each size of supports, are listed ([`cells`]); the places of a packet lie in few cells, and each point of such a list is evaluated for sixteen places in f32 ([`field`]).
 //! A place takes the points of its own cells alone, in the lists' order: no bit of it depends on which others are in the packet.
+//!
+//! A sum is marched in steps of one length. A mean begins and ends with a jump, and its steps are listed ray by ray ([`mean_steps`]). Where ramps of the
+//! transfer function are of several orders of magnitude, tables are over places between its control points, and not over values ([`even_ramps`]).
 
 mod cells;
 mod engine;
+mod even_ramps;
 mod field;
+mod mean_steps;
 #[cfg(test)]
 mod tests;
 

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use proptest::prelude::*;
-use vr_core::{Camera, Control, PointKernel, PointSet, Scene, Shading, View};
+use vr_core::{
+    Camera, Control, OpacityRule, PointKernel, PointMixing, PointSet, Scene, Shading, TransferFunction, View, phantom,
+};
 
 use crate::caster::{CompositingOrder, RayCaster, Rule, Step, Vector};
 use crate::engine::Engine;
@@ -24,15 +26,25 @@ fn sets() -> impl Strategy<Value = PointSet> {
     let place = prop::array::uniform3((-1.0f64..1.0).prop_map(|x| x * x.abs()));
     let one = (place, 0.1f32..0.5, 0.0f32..1.0);
     let kernel = prop::sample::select(PointKernel::ALL.to_vec());
-    (prop::collection::vec(one, 1..80), prop_oneof![Just(0.0), Just(300.0)], kernel).prop_map(|(all, far, kernel)| {
-        let positions = all.iter().map(|p| DVec3::from(p.0) + far).collect();
-        let radii: Vec<f32> = all.iter().map(|p| p.1).collect();
-        // All of them together make no more than twice the range of the transfer functions, wherever they lie.
-        let share = 2.0 / all.len().max(2) as f32 / kernel.at(0.0) as f32;
-        let weights = radii.iter().map(|r| share * r.powi(3)).collect();
-        let values = all.iter().map(|p| p.2).collect();
-        PointSet::new(positions, radii, weights, values, kernel).unwrap()
-    })
+    let mixing = prop::sample::select(PointMixing::ALL.to_vec());
+    let far = prop_oneof![Just(0.0), Just(300.0)];
+    (prop::collection::vec(one, 1..80), far, kernel, mixing, any::<bool>()).prop_map(
+        |(all, far, kernel, mixing, colored)| {
+            let positions = all.iter().map(|p| DVec3::from(p.0) + far).collect();
+            let radii: Vec<f32> = all.iter().map(|p| p.1).collect();
+            // All of them together make no more than twice the range of the transfer functions, wherever they lie.
+            let share = 2.0 / all.len().max(2) as f32 / kernel.at(0.0) as f32;
+            let weights = radii.iter().map(|r| share * r.powi(3)).collect();
+            let values = all.iter().map(|p| p.2).collect();
+            let points = PointSet::new(positions, radii, weights, values, kernel).unwrap().with_mixing(mixing).unwrap();
+            if !colored {
+                return points;
+            }
+            let color = |k: usize| [k * 7 % 11, k * 5 % 11, k * 3 % 11].map(|c| c as f32 / 10.0);
+            let colors = (0..points.count()).map(color).collect();
+            points.with_colors(colors).unwrap()
+        },
+    )
 }
 
 fn drawn(caster: &RayCaster, scene: &Scene, view: &View) -> Option<Vec<RaySample>> {
@@ -74,5 +86,21 @@ proptest! {
             let other = drawn(&RayCaster { vector, ..caster.clone() }, &scene, &view).unwrap();
             prop_assert_eq!(bits(&other), bits(&values), "{:?}", vector);
         }
+    }
+}
+
+/// A cluster by its own transfer function, whose ramps are as wide as 0.45 and as 450.
+#[test]
+fn ramps_of_several_orders_of_magnitude_are_drawn() {
+    let points = phantom::points_by_name("plummer", 500).unwrap();
+    let (control_points, unit) = phantom::point_transfer_function("plummer").unwrap();
+    let transfer = TransferFunction::new(control_points, OpacityRule::Power, unit).unwrap();
+    let unshaded = Scene::new(points.into(), transfer);
+    let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..unshaded.clone() };
+    let view = View::new(Camera::framing(unshaded.volume.bounds(), 33.0, 21.0, None), [24, 24]);
+    let caster = RayCaster { order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.5) };
+    for (scene, tolerance) in [(&unshaded, TWO_ENGINES), (&shaded, TWO_SHADINGS)] {
+        let values = drawn(&caster, scene, &view).expect("packets draw it");
+        same(&values, &plain(&caster, scene, &view), tolerance).unwrap();
     }
 }
