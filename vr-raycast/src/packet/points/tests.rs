@@ -18,6 +18,10 @@ use crate::tracer::RaySample;
 /// Largest difference of the engines: sums of a few dozen kernels in f32, and positions in f32.
 const TWO_ENGINES: f32 = 1e-4;
 
+/// Largest difference of means, which bend within little of the edges of supports, where few digits of a kernel are left: 1.6·10⁻⁴ was found, of steps by the
+/// rule left, whose samples lie at the very edge.
+const TWO_MEANS: f32 = 5e-4;
+
 /// Largest difference of shaded pictures: the direction of a small gradient is set by rounding, and so is what a surface there reflects.
 const TWO_SHADINGS: f32 = 5e-3;
 
@@ -74,6 +78,7 @@ proptest! {
         let gradient_opacity = if rows.is_some() { Vec::new() } else { gradient_opacity };
         let shading = shade.then(|| Arc::new(Shading { gradient_opacity, ..Shading::default() }));
         let shade = shade || rows.is_some();
+        let unshaded = if points.mixing() == PointMixing::Mean { TWO_MEANS } else { TWO_ENGINES };
         let scene = Scene { compositing, shading, ..Scene::new(points.into(), rows.unwrap_or(transfer)) };
         let view = View::new(Camera::framing(scene.volume.bounds(), angles.0, angles.1, angles.2), [size.0, size.1]);
         let rule = if left { Rule::Left } else { Rule::Midpoint };
@@ -81,7 +86,7 @@ proptest! {
         let values = drawn(&caster, &scene, &view);
         // A ramp narrower than what f32 tells apart.
         let Some(values) = values else { return Ok(()) };
-        same(&values, &plain(&caster, &scene, &view), if shade { TWO_SHADINGS } else { TWO_ENGINES })?;
+        same(&values, &plain(&caster, &scene, &view), if shade { TWO_SHADINGS } else { unshaded })?;
         for vector in [Vector::Avx2, Vector::Baseline] {
             let other = drawn(&RayCaster { vector, ..caster.clone() }, &scene, &view).unwrap();
             prop_assert_eq!(bits(&other), bits(&values), "{:?}", vector);
