@@ -119,8 +119,12 @@ impl<'a> FirstSearch<'a> {
 
     /// Takes a place where the threshold is reached for certain, or was in the part in doubt right before.
     fn reach(&mut self, place: Hit) {
-        let hit = self.doubt.take().map_or(place, |doubt| doubt.or(&place));
-        self.hit = Some(hit);
+        self.hit = Some(self.or_doubt(place));
+    }
+
+    /// Returns a place, or the part in doubt right before it, whichever it is.
+    fn or_doubt(&mut self, place: Hit) -> Hit {
+        self.doubt.take().map_or(place, |doubt| doubt.or(&place))
     }
 
     /// Searches a part of a cell.
@@ -149,11 +153,10 @@ impl<'a> FirstSearch<'a> {
             return self.reach(place);
         }
         if high - low <= 4.0 * cell.off || halvings >= MAX_HALVINGS {
-            let top = if is_entry { slope * (high + cell.off) } else { 0.0 };
-            let values = [self.threshold, (self.threshold + top.max(0.0)).next_up()];
-            let values = if is_entry { values } else { [self.threshold; 2] };
+            let top = (self.threshold + slope * (high + cell.off).max(0.0)).next_up();
+            let values = [self.threshold, if is_entry { top } else { self.threshold }];
             let place = self.place(values, &cell.normals, ends, distance);
-            self.doubt = Some(self.doubt.take().map_or(place, |doubt| doubt.or(&place)));
+            self.doubt = Some(self.or_doubt(place));
             return;
         }
         let (front, back) = above.split(0.5);

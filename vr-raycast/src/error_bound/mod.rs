@@ -36,7 +36,7 @@ use packets::{BoundedPackets, PacketView};
 use picks::{Search, Wanted};
 use piece_by_piece::Integral;
 use reflection::{RayReflection, Reflection};
-use walk::Medium;
+use walk::{Course, Medium};
 
 /// Tables of a scene whose pictures keep a bound of the error.
 #[derive(Clone, Debug)]
@@ -241,7 +241,7 @@ impl BoundedRays<'_> {
 
     /// Picks the value of a ray.
     fn picked(&self, ray: &IndexRay, wanted: Wanted, counts: &mut Counts) -> RaySample {
-        let search = self.volume.with_lattice(PickJob { rays: self, ray, wanted });
+        let search = self.volume.with_lattice(SearchJob { rays: self, ray, search: Search::new(wanted) });
         counts.samples += search.steps;
         let Some(stored) = search.stored() else { return RaySample::NOTHING };
         let Optics { transfer, calibration, .. } = &self.error_bound.optics;
@@ -261,7 +261,7 @@ impl BoundedRays<'_> {
         counts: &mut Counts,
     ) -> RaySample {
         let search = FirstSearch::new(&self.error_bound.optics, reflection, threshold);
-        let search = self.volume.with_lattice(FirstJob { rays: self, ray, search });
+        let search = self.volume.with_lattice(SearchJob { rays: self, ray, search });
         counts.samples += search.steps;
         let colors = self.error_bound.optics.transfer.brightest_color();
         let brightest = self.error_bound.reflection.as_ref().map_or(colors, |reflection| reflection.brightest);
@@ -335,34 +335,17 @@ impl<R: Real> LatticeVisitor for Job<'_, R> {
     }
 }
 
-/// Search for the value that is picked from one ray.
-struct PickJob<'a> {
+/// Search along one ray, in f64.
+struct SearchJob<'a, C> {
     rays: &'a BoundedRays<'a>,
     ray: &'a IndexRay,
-    wanted: Wanted,
+    search: C,
 }
 
-impl LatticeVisitor for PickJob<'_> {
-    type Output = Search;
+impl<C: Course> LatticeVisitor for SearchJob<'_, C> {
+    type Output = C;
 
-    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output {
-        let mut search = Search::new(self.wanted);
-        walk::along::<f64, T>(&self.rays.medium(lattice), self.ray, &mut search);
-        search
-    }
-}
-
-/// Search for the first place of one ray where the field reaches a value.
-struct FirstJob<'a, 'b> {
-    rays: &'a BoundedRays<'a>,
-    ray: &'a IndexRay,
-    search: FirstSearch<'b>,
-}
-
-impl<'b> LatticeVisitor for FirstJob<'_, 'b> {
-    type Output = FirstSearch<'b>;
-
-    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output {
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> C {
         let mut search = self.search;
         walk::along::<f64, T>(&self.rays.medium(lattice), self.ray, &mut search);
         search

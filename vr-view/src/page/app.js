@@ -46,6 +46,7 @@ const errorMap = new ErrorMap({ canvas: byId("errors"), rests, opened: () => cur
 // The map is that of the first picture, and would lie over the second.
 const curtain = new Curtain({ canvas: byId("second"), rests, opened: () => errorMap.on && errorMap.toggle() });
 const ray = new RayPanel({ picture, rests });
+const questions = [errorMap, ray, curtain];
 
 new Hands(canvas, { send, tool: () => tool, windowed, hovered: () => {}, asked: (place) => ray.open(place) });
 
@@ -77,18 +78,14 @@ const connection = new Connection({
   async picture(head, bytes, since) {
     if (!(await picture.show(head, bytes))) return;
     status.picture(head, since);
-    errorMap.shown(head);
-    ray.shown(head);
-    curtain.shown(head);
+    for (const question of questions) question.shown(head);
     panels.look(head.camera);
     redraw();
   },
   error(message) {
     status.error(message);
     if (!status.head) return;
-    errorMap.shown(status.head);
-    ray.shown(status.head);
-    curtain.shown(status.head);
+    for (const question of questions) question.shown(status.head);
   },
   problem: ({ reason }) => status.problem(reason),
   refused: ({ reason }) => toast(reason),

@@ -1,6 +1,7 @@
 // Curtain: the picture at rest of a second setting beside the first, with a divider between them.
 
 import { takenApart } from "./connection.js";
+import { Question } from "./question.js";
 import { duration, words } from "./status.js";
 
 const byId = (id) => document.getElementById(id);
@@ -8,24 +9,25 @@ const byId = (id) => document.getElementById(id);
 /** Part of the width that a key moves the divider by. */
 const STEP = 0.02;
 
-export class Curtain {
-  /** `rests()` is true if no better picture of this scene is to come than the one on the screen; `opened()` is called when a setting is chosen. */
+export class Curtain extends Question {
+  /** `opened()` is called when a setting is chosen. */
   constructor({ canvas, rests, opened }) {
-    Object.assign(this, { canvas, rests, opened });
+    super({ rests, say: (text) => (byId("second-text").textContent = this.setting ? text : "") });
+    Object.assign(this, { canvas, opened });
     /** Renderer and quality of the second picture; null where there is none. */
     this.setting = null;
     /** Renderer and quality of the first one. */
     this.own = { renderer: "", quality: null };
     /** Description of the first picture. */
     this.first = null;
-    this.found = null;
-    /** Counts questions: an answer to any but the last one is not shown. */
-    this.asked = 0;
-    this.waits = null;
     /** Place of the divider in widths of the picture. */
     this.split = 0.5;
     this.last = null;
     this.bind();
+  }
+
+  get isOpen() {
+    return this.setting !== null;
   }
 
   bind() {
@@ -83,58 +85,37 @@ export class Curtain {
     this.ask();
   }
 
-  /** Takes away what belongs to no picture on the screen: while something moves, the first is shown alone. */
-  clear() {
-    this.asked += 1;
-    this.waits?.abort();
-    this.waits = null;
-    this.found = null;
+  /** While something moves, the first is shown alone. */
+  hide() {
     this.veil(true);
-    byId("second-text").textContent = this.setting ? "waits until the picture rests" : "";
   }
 
   veil(hidden) {
     for (const id of ["second", "divider", "first-label", "second-label"]) byId(id).hidden = hidden;
   }
 
-  /** A picture was shown, or more is known of it. */
   shown(head) {
     this.first = head;
-    if (!this.setting) return;
-    if (head.stage === "draft" || head.stage === "finer") this.clear();
-    else this.ask();
+    super.shown(head);
   }
 
-  async ask() {
-    if (!this.setting || this.found || this.waits || !this.rests()) return;
-    this.asked += 1;
-    const turn = this.asked;
-    this.waits = new AbortController();
-    byId("second-text").textContent = "is drawn";
-    try {
-      const query = new URLSearchParams({ renderer: this.setting.renderer });
-      if (this.setting.quality) query.set("quality", this.setting.quality);
-      const answer = await fetch(`truth/second?${query}`, { signal: this.waits.signal });
-      if (turn !== this.asked) return;
-      // After an edit, the next picture at rest asks again.
-      if (answer.status === 409) return this.clear();
-      if (!answer.ok) throw new Error((await answer.text()).trim());
-      const { head, bytes } = takenApart(await answer.arrayBuffer());
-      const image = head.coding === "png"
-        ? await createImageBitmap(new Blob([bytes], { type: "image/png" }), { colorSpaceConversion: "none" })
-        : await createImageBitmap(new ImageData(bytes, ...head.size), { colorSpaceConversion: "none" });
-      if (turn !== this.asked) return;
-      this.waits = null;
-      this.found = head;
-      this.draw(image);
-    } catch (error) {
-      if (turn === this.asked) byId("second-text").textContent = error.message;
-    }
+  asking() {
+    this.say("is drawn");
+    const query = new URLSearchParams({ renderer: this.setting.renderer });
+    if (this.setting.quality) query.set("quality", this.setting.quality);
+    return `truth/second?${query}`;
   }
 
-  draw(image) {
-    const { canvas, found, first } = this;
-    [canvas.width, canvas.height] = found.size;
+  /** The description of the picture, and the picture itself. */
+  async read(response) {
+    const { head, bytes } = takenApart(await response.arrayBuffer());
+    const pixels = head.coding === "png" ? new Blob([bytes], { type: "image/png" }) : new ImageData(bytes, ...head.size);
+    return { head, image: await createImageBitmap(pixels, { colorSpaceConversion: "none" }) };
+  }
+
+  show({ head, image }) {
+    const { canvas, first } = this;
+    [canvas.width, canvas.height] = head.size;
     canvas.getContext("2d").drawImage(image, 0, 0);
     const label = (id, { renderer, milliseconds, error }, name) => {
       const lines = [name ? `${renderer}, ${name}` : renderer, duration(milliseconds), words(error)];
@@ -142,8 +123,8 @@ export class Curtain {
       byId(id).dataset.kind = error.kind;
     };
     label("first-label", first, this.own.quality);
-    label("second-label", found, this.setting.quality);
-    byId("second-text").textContent = "to the right of the divider";
+    label("second-label", head, this.setting.quality);
+    this.say("to the right of the divider");
     this.veil(false);
     this.moveTo(this.split);
   }

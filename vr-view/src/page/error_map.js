@@ -1,6 +1,7 @@
 // Error map over the picture at rest: the pixels that were compared with the reference, coloured by how far they are from it.
 
 import { short } from "./color.js";
+import { Question } from "./question.js";
 
 const byId = (id) => document.getElementById(id);
 
@@ -9,16 +10,17 @@ const TICKS = [0.001, 0.01, 0.1, 1, 10];
 /** Side of a mark, in sides of the part of the picture that it stands for: between marks, the picture is seen. */
 const MARK = 0.62;
 
-export class ErrorMap {
-  /** `rests()` is true if no better picture of this scene is to come than the one on the screen; `opened()` is called when the map is switched on. */
+export class ErrorMap extends Question {
+  /** `opened()` is called when the map is switched on. */
   constructor({ canvas, rests, opened }) {
-    Object.assign(this, { canvas, rests, opened });
+    super({ rests, say: (text) => (byId("error-text").textContent = text) });
+    Object.assign(this, { canvas, opened });
     this.on = false;
-    this.found = null;
-    /** Counts questions: an answer to any but the last one is not shown. */
-    this.asked = 0;
-    this.waits = false;
     byId("error-map").addEventListener("click", () => this.toggle());
+  }
+
+  get isOpen() {
+    return this.on;
   }
 
   toggle() {
@@ -30,45 +32,21 @@ export class ErrorMap {
     this.ask();
   }
 
-  /** Takes away what belongs to no picture on the screen. */
-  clear() {
-    this.asked += 1;
-    this.waits = false;
-    this.found = null;
+  hide() {
     this.canvas.hidden = true;
     byId("error-scale").hidden = true;
-    byId("error-text").textContent = "waits until the picture rests";
   }
 
-  /** A picture was shown, or more is known of it. */
-  shown(head) {
-    if (!this.on) return;
-    if (head.stage === "draft" || head.stage === "finer") this.clear();
-    else this.ask();
+  asking() {
+    this.say("comparing with the reference");
+    return "truth/error-map";
   }
 
-  async ask() {
-    if (!this.on || this.found || this.waits || !this.rests()) return;
-    this.asked += 1;
-    const turn = this.asked;
-    this.waits = true;
-    byId("error-text").textContent = "comparing with the reference";
-    try {
-      const answer = await fetch("truth/error-map");
-      const text = await answer.text();
-      if (turn !== this.asked) return;
-      // After an edit, the next picture at rest asks again.
-      if (answer.status === 409) return this.clear();
-      if (!answer.ok) throw new Error(text.trim());
-      this.found = JSON.parse(text);
-      this.draw();
-    } catch (error) {
-      if (turn === this.asked) byId("error-text").textContent = error.message;
-    }
+  read(response) {
+    return response.json();
   }
 
-  draw() {
-    const { size, parts, pixels, colors, renderer, rmse, max, ends, legend } = this.found;
+  show({ size, parts, pixels, colors, renderer, rmse, max, ends, legend }) {
     const { canvas } = this;
     [canvas.width, canvas.height] = size;
     canvas.hidden = false;
@@ -92,7 +70,6 @@ export class ErrorMap {
     byId("error-ticks").replaceChildren(...ticks);
     byId("error-largest").style.left = place(max);
     byId("error-scale").hidden = false;
-    byId("error-text").textContent =
-      `largest ${short(255 * max)}/255, RMSE ${short(255 * rmse)}/255 · ${renderer}, ${pixels.length} of ${size[0] * size[1]} pixels compared`;
+    this.say(`largest ${short(255 * max)}/255, RMSE ${short(255 * rmse)}/255 · ${renderer}, ${pixels.length} of ${size[0] * size[1]} pixels compared`);
   }
 }

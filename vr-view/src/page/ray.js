@@ -2,6 +2,7 @@
 
 import { short } from "./color.js";
 import { svg } from "./marks.js";
+import { Question } from "./question.js";
 
 const byId = (id) => document.getElementById(id);
 
@@ -10,16 +11,13 @@ const [WIDTH, HEIGHT, GAP] = [320, 42, 21];
 
 const CHANNELS = ["red", "green", "blue", "opacity"];
 
-export class RayPanel {
-  /** `picture` is on the screen; `rests()` is true if no better picture of this scene is to come. */
+export class RayPanel extends Question {
+  /** `picture` is on the screen. */
   constructor({ picture, rests }) {
-    Object.assign(this, { picture, rests });
+    super({ rests, say: (text) => (byId("ray-text").textContent = text) });
+    this.picture = picture;
     /** Place in heights of the picture from its middle; null while the panel is closed. */
     this.place = null;
-    this.found = null;
-    /** Counts questions: an answer to any but the last one is not shown. */
-    this.asked = 0;
-    this.waits = null;
     byId("ray-close").addEventListener("click", () => this.close());
   }
 
@@ -60,44 +58,19 @@ export class RayPanel {
     return [inside(width / 2 + this.place[0] * height, width), inside(height / 2 - this.place[1] * height, height)];
   }
 
-  /** Takes away what belongs to no picture on the screen. */
-  clear() {
-    this.asked += 1;
-    this.waits?.abort();
-    this.waits = null;
-    this.found = null;
+  hide() {
     byId("ray").classList.add("stale");
-    byId("ray-text").textContent = "waits until the picture rests";
   }
 
-  /** A picture was shown, or more is known of it. */
-  shown(head) {
-    if (!this.isOpen) return;
-    if (head.stage === "draft" || head.stage === "finer") this.clear();
-    else this.ask();
-  }
-
-  async ask() {
-    if (!this.isOpen || this.found || this.waits || !this.rests()) return;
-    this.asked += 1;
-    const turn = this.asked;
-    this.waits = new AbortController();
+  asking() {
     const [x, y] = this.pixel(this.picture.size);
     byId("ray-title").textContent = `Pixel ${x}, ${y}`;
-    byId("ray-text").textContent = "asking the reference";
-    try {
-      const answer = await fetch(`truth/ray?x=${x}&y=${y}`, { signal: this.waits.signal });
-      const text = await answer.text();
-      if (turn !== this.asked) return;
-      // After an edit, the next picture at rest asks again.
-      if (answer.status === 409) return this.clear();
-      if (!answer.ok) throw new Error(text.trim());
-      this.waits = null;
-      this.found = JSON.parse(text);
-      this.show();
-    } catch (error) {
-      if (turn === this.asked) byId("ray-text").textContent = error.message;
-    }
+    this.say("asking the reference");
+    return `truth/ray?x=${x}&y=${y}`;
+  }
+
+  read(response) {
+    return response.json();
   }
 
   /** Bytes of the pixel as the screen has it. */
@@ -105,8 +78,7 @@ export class RayPanel {
     return [...this.picture.context.getImageData(x, y, 1, 1).data.slice(0, 3)];
   }
 
-  show() {
-    const { pixel, renderer, rgba, exact, error, bound, is_proven: isProven, screen, steps, model, supersampling } = this.found;
+  show({ pixel, renderer, rgba, exact, error, bound, is_proven: isProven, screen, steps, model, supersampling }) {
     byId("ray").classList.remove("stale");
     byId("ray-title").textContent = `Pixel ${pixel.join(", ")} by ${renderer}`;
     const table = byId("ray-table");
@@ -133,7 +105,7 @@ export class RayPanel {
     notes.push(steps === null ? `${renderer} lists no steps as it draws at rest: curves are the reference's` : `${steps} steps of ${renderer}, dashed where they differ`);
     if (supersampling > 1) notes.push(`the pixel is the mean of ${supersampling}×${supersampling} rays; this is the one in the middle`);
     if (model) notes.push(`${renderer} integrates ${model}`);
-    byId("ray-text").textContent = `${notes.join("; ")}.`;
+    this.say(`${notes.join("; ")}.`);
     this.plot();
   }
 

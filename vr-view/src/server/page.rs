@@ -30,6 +30,7 @@ files! {
     "curve.js": JS,
     "panels.js": JS,
     "color.js": JS,
+    "question.js": JS,
     "error_map.js": JS,
     "ray.js": JS,
     "curtain.js": JS,

@@ -1,4 +1,4 @@
-//! Plot of a ray: what a pixel of the picture at rest is made of, by depth, beside the reference.
+//! Plot of a ray: value, opacity and light along it, by depth, from the renderer of the picture at rest and from the reference.
 
 use serde::Serialize;
 use vr_core::{Control, Frame, RenderError, Renderer, Scene, View};
@@ -8,7 +8,7 @@ use vr_study::ray::RayAccount;
 /// Parts of the ray: more than a panel has pixels to tell apart.
 const PARTS: usize = 240;
 
-/// What `vr ray` tells of a pixel, as curves over depth. Colours are premultiplied linear RGBA, of the one ray through the pixel's centre.
+/// Account of the ray through a pixel's centre, as `vr ray` prints it, in curves over depth. Colours are premultiplied linear RGBA.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RayPlot {
     /// Column and row.

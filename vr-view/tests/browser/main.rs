@@ -222,6 +222,20 @@ fn it_fits_narrow_and_wide_screens_in_both_themes() {
     running.end();
 }
 
+/// Draws the page anew in both themes, narrow and wide, and keeps it where a folder is named for that.
+fn screenshots(running: &Running, browser: &mut Browser, name: &str, act: impl Fn(&mut Browser)) {
+    let Some(folder) = std::env::var_os("VR_SCREENSHOTS") else { return };
+    for scheme in ["dark", "light"] {
+        for [width, height] in [[360, 740], [1280, 800]] {
+            browser.open(&format!("http://{}/{}/", running.address, running.token), [width, height], scheme);
+            rest(browser);
+            act(browser);
+            let path = std::path::Path::new(&folder).join(format!("{name}-{scheme}-{width}.png"));
+            std::fs::write(path, browser.screenshot()).unwrap();
+        }
+    }
+}
+
 #[test]
 fn an_error_map_lies_over_the_picture_at_rest() {
     let Some((running, mut browser)) = opened("hydrogen") else { return };
@@ -255,19 +269,10 @@ fn an_error_map_lies_over_the_picture_at_rest() {
     browser.wait(there);
     assert_eq!(browser.value("window.vr.seen.includes(true)"), true, "it was taken away meanwhile");
     assert_truth(&mut browser);
-    for scheme in ["dark", "light"] {
-        if let Some(folder) = std::env::var_os("VR_SCREENSHOTS") {
-            for [width, height] in [[360, 740], [1280, 800]] {
-                let address = format!("http://{}/{}/", running.address, running.token);
-                browser.open(&address, [width, height], scheme);
-                rest(&mut browser);
-                browser.value("document.getElementById('error-map').click()");
-                browser.wait(there);
-                let path = std::path::Path::new(&folder).join(format!("errors-{scheme}-{width}.png"));
-                std::fs::write(path, browser.screenshot()).unwrap();
-            }
-        }
-    }
+    screenshots(&running, &mut browser, "errors", |browser| {
+        browser.value("document.getElementById('error-map').click()");
+        browser.wait(there);
+    });
     // The button takes it away for good.
     if browser.value("window.vr.errorMap.on") == true {
         browser.value("document.getElementById('error-map').click()");
@@ -336,19 +341,10 @@ fn a_pixel_is_asked_for_its_ray() {
     browser.wait(&format!("{told} && window.vr.ray.found.steps > 5"));
     let words = browser.value(text).as_str().unwrap().to_owned();
     assert!(words.contains("steps of raycast"), "{words}");
-    if let Some(folder) = std::env::var_os("VR_SCREENSHOTS") {
-        for scheme in ["dark", "light"] {
-            for [width, height] in [[360, 740], [1280, 800]] {
-                let address = format!("http://{}/{}/", running.address, running.token);
-                browser.open(&address, [width, height], scheme);
-                rest(&mut browser);
-                browser.key("i", 0);
-                browser.wait(told);
-                let path = std::path::Path::new(&folder).join(format!("ray-{scheme}-{width}.png"));
-                std::fs::write(path, browser.screenshot()).unwrap();
-            }
-        }
-    }
+    screenshots(&running, &mut browser, "ray", |browser| {
+        browser.key("i", 0);
+        browser.wait(told);
+    });
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
     running.end();
 }
@@ -432,19 +428,10 @@ fn a_curtain_shows_a_second_setting_at_rest() {
     choose(&mut browser, "second-quality", "proven");
     browser.wait("document.getElementById('second-text').textContent.includes('shearwarp cannot prove')");
     assert_eq!(browser.value("document.getElementById('second').hidden"), true);
-    if let Some(folder) = std::env::var_os("VR_SCREENSHOTS") {
-        for scheme in ["dark", "light"] {
-            for [width, height] in [[360, 740], [1280, 800]] {
-                let address = format!("http://{}/{}/", running.address, running.token);
-                browser.open(&address, [width, height], scheme);
-                rest(&mut browser);
-                browser.key("c", 0);
-                browser.wait(there);
-                let path = std::path::Path::new(&folder).join(format!("curtain-{scheme}-{width}.png"));
-                std::fs::write(path, browser.screenshot()).unwrap();
-            }
-        }
-    }
+    screenshots(&running, &mut browser, "curtain", |browser| {
+        browser.key("c", 0);
+        browser.wait(there);
+    });
     // The error map, which is the first picture's, takes it away.
     browser.value("window.vr.curtain.choose('raycast', 'draft'); document.getElementById('error-map').click()");
     assert_eq!(browser.value("window.vr.errorMap.on && window.vr.curtain.setting === null"), true);

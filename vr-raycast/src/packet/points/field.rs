@@ -255,43 +255,53 @@ impl PointField<'_> {
     /// Gradient of a sum in units of the spacing, without the kernel's factor.
     #[inline(always)]
     fn sum_gradient<S: Simd>(&self, simd: S, at: &Cells<S>) -> [f32x16<S>; 3] {
-        let zero = splat(simd, 0.0);
-        let mut sum = [zero; 3];
-        self.each_near::<S, false>(
+        self.rise::<S, false>(
             simd,
             at,
             #[inline(always)]
-            |point, _, from, square, inside| {
-                let slope = self.slope(simd, square) * (point.amplitude * point.per_square);
-                let slope = pick(inside, slope, zero);
-                for a in 0..3 {
-                    sum[a] += from[a] * slope;
-                }
-            },
-        );
-        sum
+            |slope, point, _| slope * (point.amplitude * point.per_square),
+        )
     }
 
     /// Gradient of a mean in units of the spacing, (Σ w (v − mean) ∇W) / Σ w W by the quotient rule.
     #[inline(always)]
     fn mean_gradient<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &PointStage) -> [f32x16<S>; 3] {
-        let (zero, mean) = (splat(simd, 0.0), stage.mean.load(simd));
-        let mut rise = [zero; 3];
-        self.each_near::<S, true>(
+        let mean = stage.mean.load(simd);
+        let rise = self.rise::<S, true>(
             simd,
             at,
             #[inline(always)]
-            |point, carried, from, square, inside| {
+            |slope, point, carried| {
                 let apart = splat(simd, carried.value) - mean;
-                let slope = self.slope(simd, square) * (carried.weight * point.per_square) * apart;
-                let slope = pick(inside, slope, zero);
-                for a in 0..3 {
-                    rise[a] += from[a] * slope;
-                }
+                slope * (carried.weight * point.per_square) * apart
             },
         );
         let per_weight = reciprocal_of_weight(simd, stage.weight.load(simd));
         [rise[0] * per_weight, rise[1] * per_weight, rise[2] * per_weight]
+    }
+
+    /// Sum of the vectors from the points near sixteen places, each by what `weigh` makes of the kernel's slope over distance there.
+    #[inline(always)]
+    fn rise<S: Simd, const MEANS: bool>(
+        &self,
+        simd: S,
+        at: &Cells<S>,
+        weigh: impl Fn(f32x16<S>, &NearPoint, &Carried) -> f32x16<S>,
+    ) -> [f32x16<S>; 3] {
+        let zero = splat(simd, 0.0);
+        let mut rise = [zero; 3];
+        self.each_near::<S, MEANS>(
+            simd,
+            at,
+            #[inline(always)]
+            |point, carried, from, square, inside| {
+                let weight = pick(inside, weigh(self.slope(simd, square), point, carried), zero);
+                for a in 0..3 {
+                    rise[a] += from[a] * weight;
+                }
+            },
+        );
+        rise
     }
 }
 
