@@ -106,7 +106,7 @@ impl ErrorBound {
         let largest = f64::from(low.abs().max(high.abs()));
         let optics = Optics::new(&scene.transfer, volume.calibration(), largest);
         let blocks = Blocks::new(volume, &optics);
-        // A ray that is cut needs more than the account of its sum, and reflected light more than that of a function of the value.
+        // A ray that is cut needs more than the account of its sum.
         let sought = match scene.compositing {
             Compositing::First { threshold } => Sought::First(threshold),
             other => Wanted::by(other, volume.calibration()).map_or(Sought::Light, Sought::Value),
@@ -117,8 +117,10 @@ impl ErrorBound {
             _ => optics.brightest,
         };
         let reflection = Reflection::new(scene, volume, brightest);
-        let in_packets = level >= 1.0 && reflection.is_none() && matches!(sought, Sought::Light);
-        let packets = vectors.filter(|_| in_packets).and_then(|v| BoundedPackets::new(v, volume, &optics, &blocks));
+        let in_packets = level >= 1.0 && matches!(sought, Sought::Light);
+        let packets = vectors
+            .filter(|_| in_packets)
+            .and_then(|level| BoundedPackets::new(level, volume, &optics, &blocks, reflection.as_ref()));
         Ok(Self { volume: Arc::clone(volume), optics, reflection, blocks, packets, error, level, sought })
     }
 
@@ -173,7 +175,8 @@ impl Tracer for BoundedRays<'_> {
             if let Some(packets) = self.packets.as_ref().filter(|_| stages.packets.is_worth_while()) {
                 let before = counts.rays;
                 let seen = (self.view, self.layer);
-                open = packets.trace(self.volume, &self.rays, seen, spots, &mut traced[..spots.len()], counts);
+                let lit = (self.volume, self.error_bound.reflection.as_ref());
+                open = packets.trace(lit, &self.rays, seen, spots, &mut traced[..spots.len()], counts);
                 let failed = open.count_ones();
                 stages.packets.tried += (counts.rays - before) as u32 + failed;
                 stages.packets.failed += failed;

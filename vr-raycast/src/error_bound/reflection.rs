@@ -17,12 +17,12 @@ const MAX_REST: f64 = 0.01;
 /// Reflection in a scene: what holds for all rays.
 #[derive(Clone, Debug)]
 pub(super) struct Reflection {
-    shading: Arc<Shading>,
-    lights: Vec<Light>,
+    pub(super) shading: Arc<Shading>,
+    pub(super) lights: Vec<Light>,
     /// True if no light has a colour, so that all channels change alike.
     is_grey: bool,
     /// Rows of the matrix from gradients per index step to the world, by a common factor.
-    to_world: [[f64; 3]; 3],
+    pub(super) to_world: [[f64; 3]; 3],
     /// Largest component of reflected light, for colours of at most the largest.
     pub(super) brightest: f64,
 }
@@ -31,7 +31,7 @@ pub(super) struct Reflection {
 #[derive(Clone, Debug)]
 pub(super) struct RayReflection<'a> {
     reflection: &'a Reflection,
-    ray: RayShading<f64>,
+    pub(super) ray: RayShading<f64>,
 }
 
 /// The gradient along a cell.

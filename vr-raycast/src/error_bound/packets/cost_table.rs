@@ -27,6 +27,8 @@ pub(super) struct CostTable {
     slack: [f32; 3],
     /// Largest radiance that may come from behind a step, and from a source: M.
     pub(super) brightest: f32,
+    /// Largest factor by which what is reflected changes with a colour; 1 where nothing is reflected. The changes of colours are multiplied by it.
+    pub(super) factor: f32,
     /// Upper bound on the rounding error of a value's place among the bins, in stored units.
     pub(super) misplaced: f32,
 }
@@ -50,9 +52,14 @@ pub(super) struct Changes<S: Simd> {
 }
 
 impl CostTable {
-    /// Makes the tables for values from `low` to `high`, and lengths in units of `unit` world units; `None` if there is no bound: under emission given on its own, and for a range
+    /// Makes the tables for values from `low` to `high`, and lengths in units of `unit` world units, under light of `brightest` at most that changes with a colour by up to a `factor` times as much; `None` if there is no bound: under emission given on its own, and for a range
     /// without values or without length.
-    pub(super) fn new(optics: &Optics, [low, high]: [f32; 2], unit: f64) -> Option<Self> {
+    pub(super) fn new(
+        optics: &Optics,
+        [low, high]: [f32; 2],
+        unit: f64,
+        [brightest, factor]: [f64; 2],
+    ) -> Option<Self> {
         let range = f64::from(high) - f64::from(low);
         if optics.emits || !(range > 0.0 && range.is_finite()) {
             return None;
@@ -65,11 +72,12 @@ impl CostTable {
         let even = libm::floor(f64::from(low) / width) * width;
         let origin = if f64::from(even as f32) == even { even } else { f64::from(low) };
         let bins = libm::ceil((f64::from(high) - origin) / width) as usize + 1;
-        let brightest = optics.brightest.max(1.0);
+        let brightest = brightest.max(1.0);
         let mut table = Builder {
             optics,
             unit,
             brightest,
+            factor,
             width,
             last: None,
             steepness: 0.0,
@@ -91,6 +99,7 @@ impl CostTable {
             slack,
             quarter: 0.25 * width as f32,
             brightest: brightest as f32 * (1.0 + 1e-6),
+            factor: factor as f32 * (1.0 + 1e-6),
             misplaced: (range * libm::exp2(-23.0)) as f32,
         })
     }
@@ -182,6 +191,7 @@ struct Builder<'a> {
     optics: &'a Optics,
     unit: f64,
     brightest: f64,
+    factor: f64,
     width: f64,
     /// Medium and slopes where the last part ended.
     last: Option<Ends>,
@@ -217,7 +227,8 @@ impl Builder<'_> {
             self.sums[1] += (b.kappa_slope - a.kappa_slope).abs();
             for end in &ends {
                 let color = end.color_slope.iter().fold(0.0f64, |m, s| m.max(s.abs()));
-                steepest = steepest.max(self.brightest * end.kappa_slope.abs() + a.kappa.max(b.kappa) * color);
+                steepest =
+                    steepest.max(self.brightest * end.kappa_slope.abs() + a.kappa.max(b.kappa) * self.factor * color);
             }
             self.last = Some(*b);
         }
@@ -257,6 +268,7 @@ impl Builder<'_> {
         let most = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, f64::max);
         self.sums[1] +=
             (next.kappa_slope - last.kappa_slope).abs() + 4.0 / self.width * (next.kappa - last.kappa).abs();
-        self.sums[2] += most(&next.color_slope, &last.color_slope) + 4.0 / self.width * most(&next.color, &last.color);
+        let color = most(&next.color_slope, &last.color_slope) + 4.0 / self.width * most(&next.color, &last.color);
+        self.sums[2] += self.factor * color;
     }
 }

@@ -6,9 +6,10 @@ use vr_kernels::vector::{Field, LANES, Lanes, Pairs, Stage, Sums, pick, splat};
 
 use super::cell::Along;
 use super::clear_blocks::ClearBlocks;
+use super::color_change::{ColorChange, PacketReflection, Places, SeenLights};
 use super::cost_table::CostTable;
 use super::path::{Exits, Path};
-use super::step::{Course, Step};
+use super::step::{Absorption, Course, Step};
 
 /// Medium that the rays of a frame go through.
 #[derive(Clone, Copy)]
@@ -23,6 +24,8 @@ pub(super) struct Medium<'a, T> {
     pub(super) noise: f32,
     /// Error that a ray may have, relative to max(1, its radiance).
     pub(super) error: f32,
+    /// `None` where colours stay as they are.
+    pub(super) reflection: Option<&'a PacketReflection>,
 }
 
 /// Sixteen rays in index space. Distances are in units of the smallest voxel edge, from where each ray enters.
@@ -40,6 +43,8 @@ pub(super) struct Packet {
     pub(super) end: Lanes,
     /// Largest component of what stands behind the volume.
     pub(super) backdrop: Lanes,
+    /// Lights as the rays see them; none where colours stay as they are.
+    pub(super) lights: SeenLights,
 }
 
 /// Results of sixteen rays.
@@ -55,6 +60,8 @@ pub(super) struct Marched {
 
 /// Length of the shortest steps, which are taken whatever they cost.
 const SHORTEST: f32 = 1.0 / 16384.0;
+/// Share of the error allowed that the next step aims at.
+const AIM: f32 = 0.4;
 /// Error of a position, in cells: its three fractions are rounded to f32.
 const MISPLACED: f32 = 4.0 / (1 << 24) as f32;
 /// Largest number of rounds of a packet; rays that are not done then have no bound here.
@@ -104,6 +111,15 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
     let mut here = [zero; 4];
     let mut noise = zero;
     let mut fresh = zero.simd_eq(zero);
+    let mut found = ColorChange::NONE;
+    let mut places = Places {
+        cell: [Lanes::ZERO; 3],
+        middle: [Lanes::ZERO; 3],
+        length: Lanes::ZERO,
+        margin: Lanes::new(margin),
+        delta: packet.rounded_delta,
+        whole: packet.end,
+    };
     let (mut samples, mut rounds) = (0, 0);
     loop {
         let mut live = at.simd_lt(end);
@@ -111,7 +127,9 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
             break;
         }
         rounds += 1;
-        if rounds > MAX_ROUNDS {
+        // The last few rays of many steps are quicker one by one, where a step costs much.
+        let few = medium.reflection.is_some() && rounds > 1024 && live.to_bitmask().count_ones() <= 2;
+        if few || rounds > MAX_ROUNDS {
             failed |= live;
             break;
         }
@@ -143,7 +161,7 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
         samples += active.to_bitmask().count_ones();
         // The step ends where the ray leaves the cell that lies ahead. A ray that has leaped first learns where it is, in a step of no length.
         let begin = at + margin;
-        let (_, cells) = path.cells(simd, begin);
+        let (numbers, cells) = path.cells(simd, begin);
         field.fetch(simd, &cells, stage);
         let to = (begin + (exits.of_cell(simd, &cells.fraction) + margin)).min(at + step).min(end);
         let to = pick(fresh, at, to);
@@ -163,7 +181,20 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
             cubic: along.third.abs() * (cubic * length * length * length),
             unsure: noise + off + costs.misplaced,
         };
-        let stepping = Step::new(simd, costs, &here, &course, length, beyond);
+        let absorption = Absorption::new(simd, costs, &here, &course, length);
+        // Colours are asked for only where some can be seen.
+        let mut color_change = None;
+        if let Some(reflection) = medium.reflection
+            && (active & absorption.is_seen(simd)).any_true()
+        {
+            places.cell = lanes(numbers);
+            places.middle = lanes(middle);
+            places.length = Lanes::new(length);
+            reflection.along(simd, field, &packet.lights, &places, stage, &mut found);
+            color_change = Some(&found);
+        }
+        let behind_faces = [beyond, margin];
+        let stepping = Step::new(simd, costs, &here, &course, absorption, length, behind_faces, color_change);
         let clear = sums.clear(simd);
         let cost = clear * stepping.missed;
         let rounding = clear * stepping.rounding * 2.0;
@@ -177,7 +208,9 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
         let fits = fresh | is_cheap | cost.simd_le(allowed) | length.simd_le(shortest * 1.01);
         let taken = active & fits;
         let stepped = taken & !fresh;
-        let ratio = (allowed * 0.8 / cost.max(splat(simd, f32::MIN_POSITIVE))).sqrt();
+        // Costs grow with the cube of the length, or its fourth power: the root is between. Aimed at is less than what is allowed, since that falls by what is spent.
+        let ratio = (allowed * AIM / cost.max(splat(simd, f32::MIN_POSITIVE))).sqrt().sqrt();
+        let ratio = ratio * ratio.sqrt();
         let ratio = pick(is_cheap, splat(simd, 2.0), ratio.max(splat(simd, 0.125)).min(splat(simd, 2.0)));
         let grown = (length * ratio).max(shortest);
         // A step that ended at a face says nothing about longer ones: keep the length that was tried.
@@ -203,7 +236,13 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
     }
     // The end of the ray is rounded to f32.
     spent += here[3] * sums.clear(simd) * whole.max(zero) * (f32::EPSILON * costs.brightest);
-    finish(simd, packet, &sums, [spent, end], failed, (samples, rounds), [medium.error, costs.brightest])
+    finish(simd, packet, &sums, [spent, end], failed, samples, [medium.error, costs.brightest])
+}
+
+/// Stores three vectors. In the place of a closure, which is not inlined for certain.
+#[inline(always)]
+fn lanes<S: Simd>([x, y, z]: [f32x16<S>; 3]) -> [Lanes; 3] {
+    [Lanes::new(x), Lanes::new(y), Lanes::new(z)]
 }
 
 /// Returns the results, and which rays have kept their bound after all roundings.
@@ -214,15 +253,14 @@ fn finish<S: Simd>(
     sums: &Sums<S>,
     [spent, end]: [f32x16<S>; 2],
     failed: mask32x16<S>,
-    (samples, rounds): (u32, u32),
+    samples: u32,
     [error, brightest]: [f32; 2],
 ) -> Marched {
     let [r, g, b, a] = sums.rgba();
     let one = splat(simd, 1.0);
     let bright = r.max(g).max(b);
-    // Transmittance, and the place of the colours in a step, are rounded to half a unit beside 1: each may cost as much of the brightest light.
-    let rounding = splat(simd, brightest * f32::EPSILON * (2.0 * rounds as f32 + 16.0));
-    let kept = (spent + rounding).simd_le((bright - spent).max(one) * error) & !failed;
+    // What steps are rounded by is in their costs: the sums are rounded once more.
+    let kept = (spent + 16.0 * brightest * f32::EPSILON).simd_le((bright - spent).max(one) * error) & !failed;
     Marched {
         rgba: [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)],
         half: sums.half(simd),

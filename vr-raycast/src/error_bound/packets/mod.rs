@@ -4,7 +4,9 @@
 
 mod cell;
 mod clear_blocks;
+mod color_change;
 mod cost_table;
+mod gradients;
 mod march;
 mod path;
 mod step;
@@ -17,11 +19,13 @@ use vr_kernels::vector::{self, Chords, Field, LANES, Lanes, Pairs, Stage, Vector
 
 use super::blocks::{Blocks, EDGE, State};
 use super::optics::Optics;
+use super::reflection::Reflection;
 use crate::leap::VisibleBlocks;
 use crate::near_depths::NearDepths;
 use crate::silhouette::Hull;
 use crate::tracer::RaySample;
 use clear_blocks::ClearBlocks;
+use color_change::{PacketReflection, SeenLights};
 use cost_table::CostTable;
 use march::{Marched, Medium, Packet, march};
 
@@ -32,6 +36,8 @@ pub(super) struct BoundedPackets {
     blocks: ClearBlocks,
     costs: CostTable,
     hull: Hull,
+    /// `None` where colours stay as they are.
+    reflection: Option<PacketReflection>,
     /// World length of the smallest voxel edge.
     unit: f64,
     span: f32,
@@ -39,8 +45,15 @@ pub(super) struct BoundedPackets {
 }
 
 impl BoundedPackets {
-    /// Prepares a scene; `None` if these packets have no bounds for it: with other filters than trilinear, missing voxels, or emission given on its own.
-    pub(super) fn new(level: Level, volume: &GridVolume, optics: &Optics, blocks: &Blocks) -> Option<Self> {
+    /// Prepares a scene; `None` if these packets have no bounds for it: with other filters than trilinear, missing voxels, emission given on its own, or
+    /// reflection that jumps.
+    pub(super) fn new(
+        level: Level,
+        volume: &GridVolume,
+        optics: &Optics,
+        blocks: &Blocks,
+        reflection: Option<&Reflection>,
+    ) -> Option<Self> {
         if volume.filter() != Filter::Trilinear || volume.vacuum_cells().is_some() {
             return None;
         }
@@ -50,7 +63,16 @@ impl BoundedPackets {
         }
         let (low, high) = volume.value_stats().range?;
         let unit = volume.placement().spacing().min_element();
-        let costs = CostTable::new(optics, [low, high], unit)?;
+        let span = (high - low).next_up();
+        let (reflection, brightness) = match reflection {
+            Some(reflection) => {
+                let packets = PacketReflection::new(reflection, optics.brightest, f64::from(span))?;
+                let brightness = [reflection.brightest, packets.largest_factor()];
+                (Some(packets), brightness)
+            }
+            None => (None, [optics.brightest, 1.0]),
+        };
+        let costs = CostTable::new(optics, [low, high], unit, brightness)?;
         let seen = |[x, y, z]: [usize; 3]| blocks.state(blocks.index([x, y, z])) != State::Clear;
         let hull = Hull::new(dims, VisibleBlocks::from_fn(dims, EDGE, seen));
         // Rounding of three linear interpolations, each of a difference, a product and a sum; and of the knots' places.
@@ -60,8 +82,9 @@ impl BoundedPackets {
             blocks: ClearBlocks::new(blocks),
             costs,
             hull,
+            reflection,
             unit,
-            span: (high - low).next_up(),
+            span,
             noise: noise as f32 * (1.0 + 1e-6),
         })
     }
@@ -92,7 +115,7 @@ impl<'a> PacketView<'a> {
     /// Traces up to sixteen rays, and returns the mask of those whose bound is not kept: the caller has to trace these by other means.
     pub(super) fn trace(
         &self,
-        volume: &GridVolume,
+        (volume, reflection): (&GridVolume, Option<&Reflection>),
         rays: &Rays,
         (view, layer): (&View, Option<&Layer>),
         spots: &[ImageSample],
@@ -109,8 +132,9 @@ impl<'a> PacketView<'a> {
                 span: self.packets.span,
                 noise: self.packets.noise,
                 error: self.error,
+                reflection: self.packets.reflection.as_ref(),
             };
-            vector::run(self.packets.level, Trace { view: self, medium: &medium, volume, rays, seen: (view, layer), spots, values, counts })
+            vector::run(self.packets.level, Trace { view: self, medium: &medium, volume, reflection, rays, seen: (view, layer), spots, values, counts })
         })
     }
 }
@@ -120,6 +144,7 @@ struct Trace<'a, T> {
     view: &'a PacketView<'a>,
     medium: &'a Medium<'a, T>,
     volume: &'a GridVolume,
+    reflection: Option<&'a Reflection>,
     rays: &'a Rays,
     seen: (&'a View, Option<&'a Layer>),
     spots: &'a [ImageSample],
@@ -177,6 +202,7 @@ impl<T> Trace<'_, T> {
             first: Lanes::ZERO,
             end: Lanes([f32::NEG_INFINITY; LANES]),
             backdrop,
+            lights: self.reflection.map_or_else(SeenLights::default, |r| SeenLights::along(r, &chords.along)),
         };
         let mut begin = [0.0; LANES];
         for i in 0..self.spots.len() {

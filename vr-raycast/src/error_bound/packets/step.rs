@@ -1,10 +1,11 @@
 //! Light of a step, and a bound on its error.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16};
-use vr_kernels::vector::{opacity_of_depth, source_weight, splat};
+use fearless_simd::{Simd, f32x16, mask32x16};
+use vr_kernels::vector::{Lanes, opacity_of_depth, pick, source_weight, splat};
 
-use super::cost_table::CostTable;
+use super::color_change::ColorChange;
+use super::cost_table::{Changes, CostTable};
 
 /// Course of the field over a step: a line from the first value to the last, a parabola on it through the middle one, and a cubic that is 0 at both ends and in the
 /// middle.
@@ -15,6 +16,21 @@ pub(super) struct Course<S: Simd> {
     pub(super) cubic: f32x16<S>,
     /// Bound of the error of the values.
     pub(super) unsure: f32x16<S>,
+}
+
+/// What sixteen steps absorb.
+pub(super) struct Absorption<S: Simd> {
+    pub(super) opacity: f32x16<S>,
+    /// Bound on the error of the optical depth, and its part that is due to the table.
+    missed_depth: f32x16<S>,
+    looked_up: f32x16<S>,
+    /// Medium at the end, and how it changes with the value there.
+    there: [f32x16<S>; 4],
+    slopes: [f32x16<S>; 4],
+    changes: Changes<S>,
+    tau: f32x16<S>,
+    /// Range of all values of the step.
+    range: [f32x16<S>; 2],
 }
 
 /// Step of sixteen rays.
@@ -29,9 +45,21 @@ pub(super) struct Step<S: Simd> {
     pub(super) rounding: f32x16<S>,
 }
 
-impl<S: Simd> Step<S> {
-    /// Takes steps of a length from places with the medium `here`; the README beside this folder derives each bound. `beyond` is the error of the value, integrated over the
-    /// part of the step behind its cell.
+impl<S: Simd> Course<S> {
+    #[inline(always)]
+    fn bow(&self) -> f32x16<S> {
+        let [first, middle, last] = self.values;
+        middle - (first + last) * 0.5
+    }
+
+    #[inline(always)]
+    fn span(&self) -> f32x16<S> {
+        (self.values[2] - self.values[0]).abs()
+    }
+}
+
+impl<S: Simd> Absorption<S> {
+    /// Absorbs along steps of a length from places with the medium `here`; the README beside this folder derives each bound.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
@@ -39,56 +67,112 @@ impl<S: Simd> Step<S> {
         here: &[f32x16<S>; 4],
         course: &Course<S>,
         length: f32x16<S>,
-        beyond: f32x16<S>,
     ) -> Self {
-        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let [first, middle, last] = course.values;
+        let [first, _, last] = course.values;
         let [there, slopes] = costs.medium(simd, last);
-        let bow = middle - (first + last) * 0.5;
-        let (bowed, cubic) = (bow.abs(), course.cubic);
-        let beside = bowed + cubic;
+        let bow = course.bow();
+        let beside = bow.abs() + course.cubic;
         // All values of the step lie in this range.
         let room = beside + course.unsure;
-        let (low, high) = (first.min(last) - room, first.max(last) + room);
-        let changes = costs.changes(simd, low, high);
-        let span = (last - first).abs();
+        let range = [first.min(last) - room, first.max(last) + room];
+        let changes = costs.changes(simd, range[0], range[1]);
         // Optical depth, as if κ were linear in the value.
-        let change = (there[3] - here[3]) * length;
-        let bent = slopes[3] * bow;
-        let tau = ((here[3] + there[3]) * 0.5 + bent * (2.0 / 3.0)).max(zero) * length;
+        let tau = ((here[3] + there[3]) * 0.5 + slopes[3] * bow * (2.0 / 3.0)).max(splat(simd, 0.0)) * length;
+        let looked_up = changes.kappa * costs.quarter * length;
+        let missed_depth = changes.kappa * (course.span() * (1.0 / 6.0) + beside * (2.0 / 3.0)) * length + looked_up;
         let opacity = opacity_of_depth(simd, tau);
+        Self { opacity, missed_depth, looked_up, there, slopes, changes, tau, range }
+    }
+
+    /// True for rays that may see something of their steps.
+    #[inline(always)]
+    pub(super) fn is_seen(&self, simd: S) -> mask32x16<S> {
+        (self.opacity + self.missed_depth).simd_gt(splat(simd, 0.0))
+    }
+}
+
+impl<S: Simd> Step<S> {
+    /// Takes steps that absorb. `beyond` is the error of the value, integrated over the part of the step behind its cell, which is up to `margin` long twice. `change`: what
+    /// becomes of the colours; `None` where they stay.
+    #[inline(always)]
+    pub(super) fn new(
+        simd: S,
+        costs: &CostTable,
+        here: &[f32x16<S>; 4],
+        course: &Course<S>,
+        absorption: Absorption<S>,
+        length: f32x16<S>,
+        [beyond, margin]: [f32x16<S>; 2],
+        color_change: Option<&ColorChange>,
+    ) -> Self {
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        let Absorption { opacity, missed_depth, looked_up, there, slopes, changes, tau, range } = absorption;
+        let (bow, span) = (course.bow(), course.span());
+        let (bowed, cubic) = (bow.abs(), course.cubic);
+        let beside = bowed + cubic;
+        // Light: the colour goes evenly over the step, and bulges.
+        let (change, bent) = ((there[3] - here[3]) * length, slopes[3] * bow);
         let weight = source_weight(simd, tau, opacity);
         let behind = ((weight - (one - opacity)) + change * (1.0 / 12.0) * weight).max(zero).min(opacity);
-        let bulge = opacity * bow * (2.0 / 3.0);
-        let colors = [there[0] - here[0], there[1] - here[1], there[2] - here[2]];
-        let light = [
-            (here[0] * opacity + colors[0] * behind + slopes[0] * bulge).max(zero),
-            (here[1] * opacity + colors[1] * behind + slopes[1] * bulge).max(zero),
-            (here[2] * opacity + colors[2] * behind + slopes[2] * bulge).max(zero),
-            opacity,
-        ];
-        // Errors of the values, and of a medium that is not linear in them.
-        let rounding = changes.steepest * (course.unsure * length + beyond);
-        let looked_up = changes.kappa * costs.quarter * length;
-        let missed_depth = changes.kappa * (span * (1.0 / 6.0) + beside * (2.0 / 3.0)) * length + looked_up;
         let size = change.abs();
         let uneven = ((tau + size / tau.max(splat(simd, f32::MIN_POSITIVE))) * 0.52).min(splat(simd, 2.0 / 3.0));
         let color_slope = slopes[0].abs().max(slopes[1].abs()).max(slopes[2].abs());
-        let missed_color =
-            changes.color * (span * 0.25 + beside + costs.quarter) + color_slope * (bowed * uneven + cubic);
+        let mut light = [zero, zero, zero, opacity];
+        // Largest change of light over the step and bulge of it; the same of the factors on colours; and the largest change of colours.
+        let (mut lit, mut bulged, mut turned, mut turned_bulge, mut unlit) = (zero, zero, zero, zero, zero);
+        for c in 0..3 {
+            let (mut ends, mut bulge) = ([here[c], there[c]], slopes[c] * bow);
+            if let Some(change) = color_change {
+                let factor = load(simd, &change.factor[c]);
+                let added = load(simd, &change.added[c]);
+                unlit = unlit.max((ends[1] - ends[0]).abs());
+                turned = turned.max((factor[2] - factor[0]).abs());
+                turned_bulge = turned_bulge.max((factor[1] - (factor[0] + factor[2]) * 0.5).abs());
+                let middle = ((ends[0] + ends[1]) * 0.5 + bulge) * factor[1] + added[1];
+                ends = [ends[0] * factor[0] + added[0], ends[1] * factor[2] + added[2]];
+                bulge = middle - (ends[0] + ends[1]) * 0.5;
+            }
+            let difference = ends[1] - ends[0];
+            (lit, bulged) = (lit.max(difference.abs()), bulged.max(bulge.abs()));
+            light[c] = (ends[0] * opacity + difference * behind + opacity * bulge * (2.0 / 3.0)).max(zero);
+        }
+        // Errors of the values, and of a medium that is not linear in them.
+        let mut rounding = changes.steepest * (course.unsure * length + beyond);
+        // Transmittance, and the place of the colours in the step, are rounded to half a unit beside 1: each may cost as much of the brightest light.
+        rounding += pick(opacity.simd_gt(zero), splat(simd, 2.0 * f32::EPSILON * costs.brightest), zero);
+        let mut missed_color = changes.color * (span * 0.25 + beside + costs.quarter)
+            + bulged * uneven
+            + color_slope * cubic * costs.factor;
+        if let Some(change) = color_change {
+            // A product of two parabolas is one but for two terms.
+            let product = unlit * turned_bulge + color_slope * bowed * (turned + turned_bulge * 1.25);
+            let largest = here[0].max(here[1]).max(here[2]).max(there[0].max(there[1]).max(there[2]));
+            let color = largest + color_slope * beside + changes.color * (span * 0.25 + beside + costs.quarter);
+            let blurred = change.blurred.load(simd);
+            missed_color +=
+                product * 0.2 + color * change.factor_off.load(simd) + change.added_off.load(simd) + blurred;
+            // Behind the face of the cell.
+            let kappa = here[3].max(there[3]) + (slopes[3].abs() + changes.kappa) * (span + beside + costs.quarter);
+            rounding += opacity * blurred + kappa * margin * 2.0 * change.beyond.load(simd);
+        }
         // Errors of W, where the colour changes along the step.
-        let color = colors[0].abs().max(colors[1].abs()).max(colors[2].abs());
         let order =
             size * size * (one + size) * (1.0 / 128.0) + size * (tau * tau * (1.0 / 96.0)).min(splat(simd, 1.0 / 24.0));
         let skew = (bent.abs() + slopes[3].abs() * cubic + changes.kappa * (span * 0.25 + beside)) * length;
         let missed = missed_depth * costs.brightest
             + (opacity + missed_depth) * missed_color
-            + color * (order + skew * 2.0)
+            + lit * (order + skew * 2.0)
             + rounding
-            + costs.walls(simd, low, high);
+            + costs.walls(simd, range[0], range[1]);
         let rounding = rounding + looked_up * costs.brightest + opacity * changes.color * costs.quarter;
         Self { light, there, missed, rounding }
     }
+}
+
+/// Loads three vectors. In the place of a closure, which is not inlined for certain.
+#[inline(always)]
+fn load<S: Simd>(simd: S, [a, b, c]: &[Lanes; 3]) -> [f32x16<S>; 3] {
+    [a.load(simd), b.load(simd), c.load(simd)]
 }
 
 #[cfg(test)]
@@ -138,7 +222,7 @@ mod tests {
                 let rule = if power { OpacityRule::Power } else { OpacityRule::Extinction };
                 let optics =
                     Optics::new(&TransferFunction::new(points, rule, 1.0).unwrap(), Calibration::default(), 1.0);
-                let costs = CostTable::new(&optics, [0.0, 1.0], 1.0).unwrap();
+                let costs = CostTable::new(&optics, [0.0, 1.0], 1.0, [optics.brightest, 1.0]).unwrap();
                 // From wild to nearly flat.
                 let (rise, bow, cubic) = (rise * flat, bow * flat * flat, cubic * flat * flat * flat);
                 let f = |t: f64| f0 + rise * t + 4.0 * bow * t * (1.0 - t) + cubic * t * (t - 0.5) * (t - 1.0);
@@ -150,7 +234,9 @@ mod tests {
                         cubic: at(cubic.abs() * 0.0482 * f64::from(factor)),
                         unsure: at(3e-7),
                     };
-                    let step = Step::new(simd, &costs, &here, &course, at(length), splat(simd, 0.0));
+                    let absorption = Absorption::new(simd, &costs, &here, &course, at(length));
+                    let none = [splat(simd, 0.0); 2];
+                    let step = Step::new(simd, &costs, &here, &course, absorption, at(length), none, None);
                     let lanes = [step.light[0], step.light[1], step.light[2], step.light[3], step.missed * factor];
                     lanes.map(|lanes| f64::from(lanes[LANES / 2]))
                 });
