@@ -52,7 +52,9 @@ pub(super) struct NextSteps {
 
 /// Lists of the rays of a packet, as far as they are not taken yet.
 pub(super) struct Lists<'a> {
-    listed: ListedSteps<'a>,
+    /// Steps of the packet's per world unit.
+    per_unit: f64,
+    offset: f64,
     packet: &'a Packet,
     /// Mask of the rays that go on.
     pub(super) unfinished: u32,
@@ -61,8 +63,8 @@ pub(super) struct Lists<'a> {
 }
 
 impl<'a> Lists<'a> {
-    pub(super) fn new(listed: ListedSteps<'a>, packet: &'a Packet) -> Self {
-        Self { listed, packet, unfinished: packet.hits, next: [0; LANES] }
+    pub(super) fn new(listed: ListedSteps<'_>, packet: &'a Packet) -> Self {
+        Self { per_unit: 1.0 / listed.unit, offset: listed.offset, packet, unfinished: packet.hits, next: [0; LANES] }
     }
 
     /// Takes the next step of each ray that goes on; those that have none are finished.
@@ -77,10 +79,10 @@ impl<'a> Lists<'a> {
                 continue;
             };
             self.next[lane] += 1;
-            let (from, long) = (from / self.listed.unit - self.packet.middle[lane], long / self.listed.unit);
+            let (from, long) = (from * self.per_unit - self.packet.middle[lane], long * self.per_unit);
             taken.begin.0[lane] = from as f32;
             taken.length.0[lane] = long as f32;
-            taken.at.0[lane] = (from + self.listed.offset * (long - 1.0)) as f32;
+            taken.at.0[lane] = (from + self.offset * (long - 1.0)) as f32;
             taken.has_more.0[lane] = if self.next[lane] < steps.len() { 1.0 } else { 0.0 };
         }
         taken

@@ -241,7 +241,7 @@ proptest! {
         let plain = plain(&caster, &scene, &view);
         prop_assert_eq!(counts.rays, plain.stats.counts.rays);
         let turns = shaded && matches!(compositing, Compositing::First { .. });
-        same_picks(values.iter().map(|value| value.rgba), &plain, compositing, if turns { TWO_SURFACES } else { TWO_ENGINES })?;
+        same_picks(values.iter().map(|value| value.rgba), &plain, (compositing, true), if turns { TWO_SURFACES } else { TWO_ENGINES })?;
     }
 
     #[test]

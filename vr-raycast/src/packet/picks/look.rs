@@ -1,12 +1,15 @@
 //! Samples of the image by the numbers that rays picked.
 
-use vr_core::Real;
 use vr_core::image_order::ImageSample;
+use vr_core::{Ray, Real};
 use vr_kernels::vector::Operator;
 
 use crate::pipeline::{Pipeline, SurfaceLook};
 use crate::ray_value::RayValue;
 use crate::tracer::RaySample;
+
+/// Part of a step by which a place in f32 may lie before the begin of a field, several times over.
+const BEHIND: f64 = 1e-4;
 
 /// Number that a ray picked.
 #[derive(Clone, Copy, Debug)]
@@ -50,14 +53,24 @@ impl<'a, 'p, R: Real> PickLook<'a, 'p, R> {
         let has_colors = self.plain.colors.is_some();
         if has_colors || self.surface.is_some() {
             let ray = self.plain.rays.at(spot.x, spot.y);
+            value.depth = self.place(&ray, number.depth);
             if has_colors {
-                let color = self.plain.color_at(&ray, number.depth);
+                let color = self.plain.color_at(&ray, value.depth);
                 (0..3).for_each(|c| value.rgba[c] *= color[c]);
             }
             if let Some(surface) = &mut self.surface {
                 surface.shade(&ray, &mut value);
             }
+            value.depth = number.depth;
         }
         value.into()
+    }
+
+    /// Depth at which what was picked at a depth is looked at: a little behind it, where rounding has put the begin of a field into vacuum.
+    fn place(&self, ray: &Ray, depth: f64) -> f64 {
+        let Some(field) = self.plain.scene.volume.field() else { return depth };
+        let is_field = |depth: f64| field.value(ray.origin + ray.direction * depth).is_some();
+        let behind = depth + BEHIND * self.plain.walks.step;
+        if !is_field(depth) && is_field(behind) { behind } else { depth }
     }
 }

@@ -31,7 +31,7 @@ proptest! {
         let fast = caster.prepare(&scene, &control).unwrap().render(&view, &control).unwrap();
         let plain = plain(&caster, &scene, &view);
         prop_assert_eq!(fast.stats.counts.rays, plain.stats.counts.rays);
-        same_picks(fast.frame.pixels().iter().copied(), &plain, compositing, allowed)?;
+        same_picks(fast.frame.pixels().iter().copied(), &plain, (compositing, true), allowed)?;
     }
 
     /// Blocks in which nothing can be picked do not change a bit.

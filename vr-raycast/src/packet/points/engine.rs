@@ -174,7 +174,8 @@ impl<'a> PointFrame<'a> {
 impl Tracer for PointFrame<'_> {
     fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
         let engine = self.engine;
-        let steps = MeanSteps { points: &engine.points, step: engine.step };
+        let steps =
+            MeanSteps { cells: &engine.cells, placement: &engine.placement, level: engine.level, step: engine.step };
         let medium = Medium {
             field: PointField {
                 has_colors: engine.points.colors().is_some(),

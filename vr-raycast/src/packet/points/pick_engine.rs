@@ -71,7 +71,12 @@ impl<'a> PointPickFrame<'a> {
 impl Tracer for PointPickFrame<'_> {
     fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
         let Self { engine, plain, .. } = self;
-        let steps = MeanSteps { points: &engine.points, step: engine.step };
+        let steps = MeanSteps {
+            cells: &engine.cells,
+            placement: plain.source.placement(),
+            level: engine.level,
+            step: engine.step,
+        };
         let listed = ListedSteps { steps: &steps, unit: engine.step, offset: plain.offset };
         let medium = &PickMedium {
             field: PointField {

@@ -119,7 +119,7 @@ proptest! {
     #[test]
     fn picks_what_the_plain_engine_picks(points in sets(), compositing in picks(), angles in (-180.0f64..180.0, -80.0f64..80.0, prop::option::of(20.0f64..90.0)), size in (1u32..13, 1u32..10), step in 0.2f64..2.5, left in any::<bool>(), shade in any::<bool>()) {
         let shading = shade.then(|| Arc::new(Shading::default()));
-        let turns = points.mixing() == PointMixing::Mean;
+        let (turns, is_colored) = (points.mixing() == PointMixing::Mean, points.colors().is_some());
         let ramp = vec![ControlPoint::new(0.0, [0.0, 0.2, 1.0], 0.0), ControlPoint::new(1.0, [1.0, 0.7, 0.2], 1.0)];
         let ramp = TransferFunction::new(ramp, OpacityRule::Power, 1.0).unwrap();
         let scene = Scene { compositing, shading, ..Scene::new(points.into(), ramp) };
@@ -131,7 +131,9 @@ proptest! {
         let room = if turns { turned_by_moving(&caster, &scene, &view, &want) } else { 0.0 };
         let is_lit = shade && matches!(compositing, Compositing::First { .. });
         let tolerance = if is_lit { TWO_SHADINGS } else { TWO_ENGINES };
-        same_picks(values.iter().map(|value| value.rgba), &want, compositing, tolerance + room)?;
+        // Which of two samples is the extreme one may be rounding's choice, and their colours differ.
+        let with_colors = !is_colored || matches!(compositing, Compositing::Average | Compositing::First { .. });
+        same_picks(values.iter().map(|value| value.rgba), &want, (compositing, with_colors), tolerance + room)?;
         for vector in [Vector::Avx2, Vector::Baseline] {
             let other = drawn(&RayCaster { vector, ..caster.clone() }, &scene, &view).unwrap();
             prop_assert_eq!(bits(&other), bits(&values), "{:?}", vector);
