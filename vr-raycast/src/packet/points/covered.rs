@@ -165,7 +165,7 @@ fn sixteen<S: Simd>(simd: S, column: &[f32], first: usize) -> f32x16<S> {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use vr_core::{Field, PointKernel, PointMixing, PointSet, Volume};
+    use vr_core::{Clip, Field, IndexRay, PointKernel, PointMixing, PointSet, Volume};
     use vr_kernels::vector;
 
     use super::*;
@@ -194,13 +194,15 @@ mod tests {
             let way = DVec3::from(target) - DVec3::from(eye);
             prop_assume!(way.length() > 0.1);
             let ray = Ray { origin: DVec3::from(eye), direction: way.normalize() };
-            let ends = [0.0, way.length()];
+            let part = IndexRay::new(&ray, source.placement(), source.dims(), &Clip::default(), f64::INFINITY);
+            let Some(part) = part else { return Ok(()) };
+            let ends = [part.start + part.offset, part.end + part.offset];
             let search = CoveredParts { cells: &cells, placement: source.placement(), ray: &ray, ends };
             let parts = vector::run(fearless_simd::Level::new(), search);
             prop_assert!(parts.as_flattened().is_sorted());
             let mut jumps = Vec::new();
             points.jumps(&ray, ends, &mut jumps);
-            for at in share.into_iter().map(|share| share * ends[1]) {
+            for at in share.into_iter().map(|share| ends[0] + share * (ends[1] - ends[0])) {
                 // A ray that grazes a support enters it where rounding lets it.
                 if parts.as_flattened().iter().chain(&jumps).any(|edge| (edge - at).abs() < 2e-3) {
                     continue;
