@@ -89,7 +89,14 @@ fn looks(volume: &Volume, transfer: &TransferFunction) -> Vec<(&'static str, Sce
     let rows = vec![(0.0, transfer.points().iter().map(thin).collect()), (steep, transfer.points().to_vec())];
     let rows = TransferFunction::of_rows(rows, transfer.rule(), transfer.unit_distance()).expect("they go together");
     let by_rows = Scene { transfer: Arc::new(rows), ..plain.clone() };
+    let picking = |compositing: Compositing| Scene { compositing, ..plain.clone() };
+    let first = Compositing::First { threshold: from + 0.7 * (to - from) };
     vec![
+        ("maximum", picking(Compositing::Maximum)),
+        ("minimum", picking(Compositing::Minimum)),
+        ("average", picking(Compositing::Average)),
+        ("first", picking(first)),
+        ("first-lit", Scene { compositing: first, ..with(Shading::default()) }),
         ("shaded", with(Shading::default())),
         ("gradient-opacity", with(factors(Shading::flat()))),
         ("gradient-opacity-shaded", with(factors(Shading::default()))),

@@ -9,7 +9,7 @@ use crate::caster::{Precision, RayCaster, Step, TransferLookup};
 use crate::error_bound::ErrorBound;
 use crate::pace::{Lengths, cells_of_parts};
 use crate::packet::level;
-use crate::packet::{PacketEngine, PatchEngine, PickEngine, PointEngine};
+use crate::packet::{PacketEngine, PatchEngine, PatchPickEngine, PickEngine, PointEngine, PointPickEngine};
 use crate::render_tables::TablesByPrecision;
 use crate::source::Source;
 use crate::step_map::RangeSteps;
@@ -26,6 +26,10 @@ pub(crate) enum Engine {
     Patches(Box<PatchEngine>, TablesByPrecision, Lengths),
     /// Vector engine for scattered points.
     Points(Box<PointEngine>, TablesByPrecision, Lengths),
+    /// Vector engine for operators that pick a value of such patches.
+    PatchPicks(Box<PatchPickEngine>, TablesByPrecision, Lengths),
+    /// Vector engine for operators that pick a value of scattered points.
+    PointPicks(Box<PointPickEngine>, TablesByPrecision, Lengths),
     /// Plain engine for a field that is no grid's, with the lengths of its steps.
     Field(TablesByPrecision, Lengths),
     /// Engine whose steps keep a bound of the error.
@@ -41,6 +45,8 @@ impl Engine {
             | Self::Picks(_, kernel)
             | Self::Patches(_, kernel, _)
             | Self::Points(_, kernel, _)
+            | Self::PatchPicks(_, kernel, _)
+            | Self::PointPicks(_, kernel, _)
             | Self::Field(kernel, _) => Some(kernel),
             Self::ErrorBound(_) => None,
         }
@@ -49,7 +55,11 @@ impl Engine {
     /// Lengths of steps in a field that is no grid's.
     pub(crate) fn lengths(&self) -> Option<&Lengths> {
         match self {
-            Self::Patches(_, _, lengths) | Self::Points(_, _, lengths) | Self::Field(_, lengths) => Some(lengths),
+            Self::Patches(_, _, lengths)
+            | Self::Points(_, _, lengths)
+            | Self::PatchPicks(_, _, lengths)
+            | Self::PointPicks(_, _, lengths)
+            | Self::Field(_, lengths) => Some(lengths),
             Self::Plain(_) | Self::Packets(..) | Self::Picks(..) | Self::ErrorBound(_) => None,
         }
     }
@@ -69,6 +79,12 @@ impl Engine {
             let lengths = lengths(caster, scene, source.placement());
             if let Some(points) = PointEngine::new(caster, scene, source) {
                 return Ok(Self::Points(Box::new(points), kernel, lengths));
+            }
+            if let Some(picks) = PointPickEngine::new(caster, scene, source) {
+                return Ok(Self::PointPicks(Box::new(picks), kernel, lengths));
+            }
+            if let Some(picks) = PatchPickEngine::new(caster, scene, source, lengths.clone()) {
+                return Ok(Self::PatchPicks(Box::new(picks), kernel, lengths));
             }
             return Ok(match PatchEngine::new(caster, scene, source, lengths.clone()) {
                 Some(engine) => Self::Patches(Box::new(engine), kernel, lengths),

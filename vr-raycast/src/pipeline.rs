@@ -11,6 +11,7 @@ use crate::chord::Chord;
 use crate::classify::Classifier;
 use crate::operator::{Needs, Operator, Recording, operator};
 use crate::pace::Pace;
+use crate::packet::FrameSetup;
 use crate::place_colors::PlaceColors;
 use crate::ray_value::RayValue;
 use crate::run::Run;
@@ -123,6 +124,28 @@ impl<'a, R: Real> Pipeline<'a, R> {
     pub(crate) fn surface_look(&self) -> Option<SurfaceLook<'a, R>> {
         let shader = self.shader?;
         Some(SurfaceLook { source: self.source, shader, run: Box::new(Run::new()), lights: None })
+    }
+
+    /// Set-up of packets that take the rays of this engine, in steps of a world length; `forward` is the direction of the view.
+    pub(crate) fn packet_setup(&self, step: f64, forward: DVec3) -> FrameSetup<'_> {
+        FrameSetup {
+            rays: &self.rays,
+            placement: self.source.placement(),
+            dims: self.source.dims(),
+            clip: &self.view.clip,
+            layer: self.layer,
+            step,
+            offset: self.offset,
+            forward,
+        }
+    }
+
+    /// Colour of the place at a distance along a ray, from its own origin; white where there is none.
+    pub(crate) fn color_at(&self, ray: &Ray, depth: f64) -> [f64; 3] {
+        let (placement, dims) = (self.source.placement(), self.source.dims());
+        let index = placement.to_index(ray.origin + ray.direction * depth).to_array();
+        let at: [f64; 3] = std::array::from_fn(|a| index[a].clamp(0.0, (dims[a] - 1) as f64));
+        self.colors.map_or([1.0; 3], |colors| colors.at(at))
     }
 
     pub(crate) fn operator(&self) -> Box<dyn Operator<R>> {

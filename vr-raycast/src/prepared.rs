@@ -11,7 +11,7 @@ use crate::engine::Engine;
 use crate::error_bound::BoundedRays;
 use crate::leap::visibility;
 use crate::pace::Pace;
-use crate::packet::{PacketFrame, PatchFrame, PickFrame, PointFrame};
+use crate::packet::{PacketFrame, PatchFrame, PatchPickFrame, PickFrame, PointFrame, PointPickFrame};
 use crate::pipeline::Pipeline;
 use crate::place_colors::PlaceColors;
 use crate::polled_tracer::PolledTracer;
@@ -135,7 +135,9 @@ impl Prepared for PreparedCaster {
             Engine::Packets(_, kernel)
             | Engine::Picks(_, kernel)
             | Engine::Patches(_, kernel, _)
-            | Engine::Points(_, kernel, _) => (kernel, false),
+            | Engine::Points(_, kernel, _)
+            | Engine::PatchPicks(_, kernel, _)
+            | Engine::PointPicks(_, kernel, _) => (kernel, false),
             Engine::ErrorBound(_) => return Ok(None),
         };
         control.run(|| match kernel {
@@ -155,7 +157,17 @@ impl PreparedCaster {
             Engine::Picks(engine, TablesByPrecision::F32(tables)) => {
                 Box::new(PickFrame::new(engine, self.pipeline(tables, seen)?)?)
             }
-            Engine::Plain(kernel) | Engine::Picks(_, kernel) | Engine::Field(kernel, _) => match kernel {
+            Engine::PatchPicks(engine, TablesByPrecision::F64(tables), _) => {
+                Box::new(PatchPickFrame::new(engine, self.pipeline(tables, seen)?))
+            }
+            Engine::PointPicks(engine, TablesByPrecision::F64(tables), _) => {
+                Box::new(PointPickFrame::new(engine, self.pipeline(tables, seen)?)?)
+            }
+            Engine::Plain(kernel)
+            | Engine::Picks(_, kernel)
+            | Engine::PatchPicks(_, kernel, _)
+            | Engine::PointPicks(_, kernel, _)
+            | Engine::Field(kernel, _) => match kernel {
                 TablesByPrecision::F32(tables) => Box::new(self.pipeline(tables, seen)?),
                 TablesByPrecision::F64(tables) => Box::new(self.pipeline(tables, seen)?),
             },

@@ -126,7 +126,6 @@ const OPERATORS: [Compositing; 6] = [
 /// One combination.
 struct Choice<'a> {
     volume: &'a str,
-    compositing: Compositing,
     rule: Rule,
     step: Step,
 }
@@ -137,13 +136,7 @@ impl Choice<'_> {
         let is_local = matches!(self.step, Step::Local { .. });
         match self.volume {
             "function" | "labels" | "mesh of cells" => Some("fields that are asked place by place"),
-            "points" | "means of points" | "points with colours" | "adaptive mesh" | "rectilinear grid"
-                if !self.compositing.integrates_light() =>
-            {
-                Some("values picked from what is no uniform grid")
-            }
             "adaptive mesh" | "rectilinear grid" if self.rule == Rule::Left => Some("patches by the rule left"),
-            "grid with colours" if self.compositing == Compositing::Average => Some("means of colours"),
             _ if is_local && self.rule == Rule::Left => Some("local steps by the rule left"),
             _ => None,
         }
@@ -185,7 +178,7 @@ fn every_combination_goes_to_the_engine_that_is_told() {
                             Err(error) => panic!("{name}: {error}"),
                         };
                         let is_plain = matches!(engine, Engine::Plain(_) | Engine::Field(..));
-                        let reason = Choice { volume: name, compositing, rule, step }.reason();
+                        let reason = Choice { volume: name, rule, step }.reason();
                         let what =
                             format!("{name}, {}, {look}, {steps} steps, rule {}", compositing.name(), rule.name());
                         assert_eq!(is_plain, reason.is_some(), "{what}: {reason:?}");

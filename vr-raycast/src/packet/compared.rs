@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use vr_core::image_order::ImageSample;
-use vr_core::{Control, Rendered, Renderer, Scene, View};
+use vr_core::{Compositing, Control, Rendered, Renderer, Scene, View};
 
 use crate::caster::{RayCaster, Vector};
 use crate::tracer::RaySample;
@@ -51,5 +51,28 @@ pub(super) fn same(values: &[RaySample], plain: &Rendered, tolerance: f32) -> Re
             prop_assert!(traced.depth == depth || near, "pixel {i}: {} for {depth}", traced.depth);
         }
     }
+    Ok(())
+}
+
+/// Checks that pixels that pick a value are those of another picture but for `allowed`, by their opacities alone unless `with_colors`. One ray of it that just reaches a
+/// threshold, or just not, may be told either way.
+pub(super) fn same_picks(
+    pixels: impl Iterator<Item = [f32; 4]>,
+    plain: &Rendered,
+    (compositing, with_colors): (Compositing, bool),
+    allowed: f32,
+) -> Result<(), TestCaseError> {
+    let mut beyond = 0;
+    for (i, (found, want)) in pixels.zip(plain.frame.pixels()).enumerate() {
+        let is_met = |pixel: &[f32; 4]| pixel[3] > 0.5;
+        if matches!(compositing, Compositing::First { .. }) && is_met(&found) != is_met(want) {
+            beyond += 1;
+            continue;
+        }
+        for c in if with_colors { 0 } else { 3 }..4 {
+            prop_assert!((found[c] - want[c]).abs() <= allowed, "pixel {i}: {found:?} for {want:?}");
+        }
+    }
+    prop_assert!(beyond <= 1, "{beyond} pixels");
     Ok(())
 }

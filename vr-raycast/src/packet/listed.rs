@@ -40,6 +40,55 @@ impl ListedSteps<'_> {
     }
 }
 
+/// Steps of the rays of a packet that are to be taken next, in the packet's steps from its middle ones; of length 0 where a ray has none.
+pub(super) struct NextSteps {
+    pub(super) begin: Lanes,
+    pub(super) length: Lanes,
+    /// Places of their samples.
+    pub(super) at: Lanes,
+    /// 1 where a ray has more steps behind.
+    pub(super) has_more: Lanes,
+}
+
+/// Lists of the rays of a packet, as far as they are not taken yet.
+pub(super) struct Lists<'a> {
+    /// Steps of the packet's per world unit.
+    per_unit: f64,
+    offset: f64,
+    packet: &'a Packet,
+    /// Mask of the rays that go on.
+    pub(super) unfinished: u32,
+    /// Number of the next step of each.
+    next: [usize; LANES],
+}
+
+impl<'a> Lists<'a> {
+    pub(super) fn new(listed: ListedSteps<'_>, packet: &'a Packet) -> Self {
+        Self { per_unit: 1.0 / listed.unit, offset: listed.offset, packet, unfinished: packet.hits, next: [0; LANES] }
+    }
+
+    /// Takes the next step of each ray that goes on; those that have none are finished.
+    #[inline(always)]
+    pub(super) fn take(&mut self) -> NextSteps {
+        let mut taken = NextSteps { begin: Lanes::ZERO, length: Lanes::ZERO, at: Lanes::ZERO, has_more: Lanes::ZERO };
+        let going_on = self.unfinished;
+        for lane in (0..LANES).filter(|lane| going_on >> lane & 1 == 1) {
+            let steps = &self.packet.listed[lane];
+            let Some(&(from, long)) = steps.get(self.next[lane]) else {
+                self.unfinished &= !(1 << lane);
+                continue;
+            };
+            self.next[lane] += 1;
+            let (from, long) = (from * self.per_unit - self.packet.middle[lane], long * self.per_unit);
+            taken.begin.0[lane] = from as f32;
+            taken.length.0[lane] = long as f32;
+            taken.at.0[lane] = (from + self.offset * (long - 1.0)) as f32;
+            taken.has_more.0[lane] = if self.next[lane] < steps.len() { 1.0 } else { 0.0 };
+        }
+        taken
+    }
+}
+
 /// Takes the rays through their lists.
 #[inline(always)]
 pub(super) fn listed<S: Simd, T: PacketField>(
@@ -51,38 +100,22 @@ pub(super) fn listed<S: Simd, T: PacketField>(
     lights: &PacketLights,
     stages: &mut [T::Stage; 2],
 ) -> PacketResult {
-    let ray = Path::new(simd, medium, packet);
+    let ray = Path::new(simd, medium.dims, packet);
     let zero = splat(simd, 0.0);
     let negligible = splat(simd, medium.negligible);
     let max_light = max_light.load(simd);
     let mut sums = Sums::new(simd);
     let mut samples = 0;
-    // Rays that go on, by the number of their next steps; and those that ended before their last one.
-    let (mut unfinished, mut next) = (packet.hits, [0; LANES]);
+    let mut lists = Lists::new(listed, packet);
+    // Rays that ended before their last step.
     let mut terminated = zero.simd_gt(zero);
     let [stage, _] = stages;
-    while unfinished != 0 {
-        // Next step of each ray, in the packet's steps from its middle one.
-        let (mut begin, mut length, mut at) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
-        let mut has_more = Lanes::ZERO;
-        let going_on = unfinished;
-        for lane in (0..LANES).filter(|lane| going_on >> lane & 1 == 1) {
-            let steps = &packet.listed[lane];
-            let Some(&(from, long)) = steps.get(next[lane]) else {
-                unfinished &= !(1 << lane);
-                continue;
-            };
-            next[lane] += 1;
-            let (from, long) = (from / listed.unit - packet.middle[lane], long / listed.unit);
-            begin.0[lane] = from as f32;
-            length.0[lane] = long as f32;
-            at.0[lane] = (from + listed.offset * (long - 1.0)) as f32;
-            has_more.0[lane] = if next[lane] < steps.len() { 1.0 } else { 0.0 };
-        }
-        let (begin, length) = (begin.load(simd), length.load(simd));
+    while lists.unfinished != 0 {
+        let next = lists.take();
+        let (begin, length) = (next.begin.load(simd), next.length.load(simd));
         let live = length.simd_gt(zero);
         samples += (live.to_bitmask() as u32).count_ones();
-        let (_, cells) = ray.cells(simd, medium, at.load(simd));
+        let (_, cells) = ray.cells(simd, next.at.load(simd));
         medium.field.fetch(simd, &cells, stage);
         let value = medium.field.value(simd, &cells, stage);
         let light = step_light(simd, medium.optics.rows().at(simd, value), length, medium.optics.emits);
@@ -90,8 +123,8 @@ pub(super) fn listed<S: Simd, T: PacketField>(
         let light = shaded(simd, medium, lights, live, &ray, (&cells, length), light, stage);
         let cut = sums.add_up_to(simd, medium.level, live, [begin, length], light);
         let ended = cut | live & (sums.clear(simd) * max_light).simd_le(negligible);
-        terminated |= ended & has_more.load(simd).simd_gt(zero);
-        unfinished &= !(ended.to_bitmask() as u32);
+        terminated |= ended & next.has_more.load(simd).simd_gt(zero);
+        lists.unfinished &= !(ended.to_bitmask() as u32);
     }
     finish(simd, &sums, packet, terminated, samples)
 }

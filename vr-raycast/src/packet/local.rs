@@ -88,11 +88,9 @@ impl<'a> LocalSteps<'a> {
     /// Moves rays in clear blocks on, until at least half of those that go on are in visible ones. Returns these, and the lengths that the blocks of their
     /// positions ask for; `means` as [`or_means`] takes them.
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "lanes in registers: what held them would be kept in memory")]
-    pub(crate) fn leap<S: Simd, T: PacketField>(
+    pub(crate) fn leap<S: Simd>(
         &self,
         simd: S,
-        medium: &Medium<'_, T>,
         ray: &Path<S>,
         leaper: &Leaper<S>,
         at: &mut f32x16<S>,
@@ -102,7 +100,7 @@ impl<'a> LocalSteps<'a> {
         let mut live = at.simd_lt(stop - REST);
         let mut length;
         loop {
-            let (position, cells) = ray.cells(simd, medium, *at + NUDGE);
+            let (position, cells) = ray.cells(simd, *at + NUDGE);
             length = self.at(simd, &cells);
             let clear = live & length.simd_lt(splat(simd, 0.0));
             if clear.all_false() {
@@ -119,7 +117,7 @@ impl<'a> LocalSteps<'a> {
             live = walking;
         }
         if !matches!(self.faces, Faces::None) {
-            let (position, here) = ray.cells(simd, medium, *at + NUDGE);
+            let (position, here) = ray.cells(simd, *at + NUDGE);
             length = self.cut(simd, leaper, *at, position, &here, length, means);
         }
         (live, length)
@@ -154,16 +152,15 @@ impl<'a> LocalSteps<'a> {
 
     /// Returns the lengths that the blocks of positions ask for; below 0 in clear ones. `means` as [`or_means`] takes them.
     #[inline(always)]
-    pub(crate) fn length<S: Simd, T: PacketField>(
+    pub(crate) fn length<S: Simd>(
         &self,
         simd: S,
-        medium: &Medium<'_, T>,
         ray: &Path<S>,
         leaper: &Leaper<S>,
         at: f32x16<S>,
         means: &mut Lanes,
     ) -> f32x16<S> {
-        let (position, cells) = ray.cells(simd, medium, at + NUDGE);
+        let (position, cells) = ray.cells(simd, at + NUDGE);
         let length = self.at(simd, &cells);
         self.cut(simd, leaper, at, position, &cells, length, means)
     }
@@ -229,7 +226,7 @@ pub(crate) fn local<S: Simd, T: PacketField>(
     lights: &PacketLights,
     stages: &mut [T::Stage; 2],
 ) -> PacketResult {
-    let ray = Path::new(simd, medium, packet);
+    let ray = Path::new(simd, medium.dims, packet);
     let leaper = Leaper::new(simd, StepMap::EDGE.trailing_zeros(), packet, medium.dims);
     let (zero, never) = (splat(simd, 0.0), splat(simd, f32::NEG_INFINITY));
     let negligible = splat(simd, medium.negligible);
@@ -241,7 +238,7 @@ pub(crate) fn local<S: Simd, T: PacketField>(
     let mut samples = 0;
     let mut means = [Lanes::ZERO; 2];
     loop {
-        let (mut live, mut length) = lengths.leap(simd, medium, &ray, &leaper, &mut at, stop, &mut means[0]);
+        let (mut live, mut length) = lengths.leap(simd, &ray, &leaper, &mut at, stop, &mut means[0]);
         let bits = live.to_bitmask();
         if bits == 0 {
             break;
@@ -250,14 +247,14 @@ pub(crate) fn local<S: Simd, T: PacketField>(
         let [now, next] = stages;
         // What is not live may have any length.
         length = length.max(zero).min(stop - at).max(zero);
-        let (_, cells) = ray.cells(simd, medium, at + length * 0.5);
+        let (_, cells) = ray.cells(simd, at + length * 0.5);
         medium.field.fetch(simd, &cells, now);
         // The next step of those that go on in a visible block: while the first waits for its samples, those of the second are fetched.
         let then = pick(live, at + length, at);
-        let length_then = lengths.length(simd, medium, &ray, &leaper, then, &mut means[1]);
+        let length_then = lengths.length(simd, &ray, &leaper, then, &mut means[1]);
         let visible = live & length_then.simd_ge(zero);
         let length_then = length_then.max(zero).min(stop - then).max(zero);
-        let (_, cells_then) = ray.cells(simd, medium, then + length_then * 0.5);
+        let (_, cells_then) = ray.cells(simd, then + length_then * 0.5);
         medium.field.fetch(simd, &cells_then, next);
         // Classify both samples, and composite them front to back.
         let mut value = medium.field.value(simd, &cells, now);

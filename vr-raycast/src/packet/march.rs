@@ -119,7 +119,7 @@ fn lattice<S: Simd, T: PacketField>(
     lights: &PacketLights,
     stages: &mut [T::Stage; 2],
 ) -> PacketResult {
-    let ray = Path::new(simd, medium, packet);
+    let ray = Path::new(simd, medium.dims, packet);
     let never = splat(simd, f32::NEG_INFINITY);
     let negligible = splat(simd, medium.negligible);
     let max_light = max_light.load(simd);
@@ -139,7 +139,7 @@ fn lattice<S: Simd, T: PacketField>(
             if until_look == 0 {
                 until_look = STRIDE;
                 loop {
-                    let (position, cells) = ray.cells(simd, medium, at);
+                    let (position, cells) = ray.cells(simd, at);
                     let distance = distances.at(simd, &cells);
                     let invisible = live & distance.simd_gt(0);
                     if invisible.all_false() {
@@ -174,7 +174,7 @@ fn lattice<S: Simd, T: PacketField>(
         }
         samples += bits.count_ones();
         let [now, next] = stages;
-        let (_, cells) = ray.cells(simd, medium, at);
+        let (_, cells) = ray.cells(simd, at);
         medium.field.fetch(simd, &cells, now);
         // The last steps: each as a fraction of a whole one.
         if ending {
@@ -190,7 +190,7 @@ fn lattice<S: Simd, T: PacketField>(
         // Two steps at once: while the first waits for its samples, those of the second are fetched.
         let one = splat(simd, 1.0);
         let then = at + one;
-        let (_, cells_then) = ray.cells(simd, medium, then);
+        let (_, cells_then) = ray.cells(simd, then);
         medium.field.fetch(simd, &cells_then, next);
         let value = medium.field.value(simd, &cells, now);
         let value_then = medium.field.value(simd, &cells_then, next);
@@ -307,12 +307,12 @@ pub(crate) struct Path<S: Simd> {
 
 impl<S: Simd> Path<S> {
     #[inline(always)]
-    pub(crate) fn new<T>(simd: S, medium: &Medium<'_, T>, packet: &Packet) -> Self {
+    pub(crate) fn new(simd: S, dims: [usize; 3], packet: &Packet) -> Self {
         Self {
             base: [packet.base[0].load(simd), packet.base[1].load(simd), packet.base[2].load(simd)],
             delta: [packet.delta[0].load(simd), packet.delta[1].load(simd), packet.delta[2].load(simd)],
-            max_index: medium.dims.map(|n| (n - 1) as f32),
-            last_cell: medium.dims.map(|n| n as i32 - 2),
+            max_index: dims.map(|n| (n - 1) as f32),
+            last_cell: dims.map(|n| n as i32 - 2),
         }
     }
 
@@ -327,7 +327,7 @@ impl<S: Simd> Path<S> {
 
     /// Returns the positions that are so many steps from the middle ones, and their cells.
     #[inline(always)]
-    pub(crate) fn cells<T>(&self, simd: S, _: &Medium<'_, T>, at: f32x16<S>) -> ([f32x16<S>; 3], Cells<S>) {
+    pub(crate) fn cells(&self, simd: S, at: f32x16<S>) -> ([f32x16<S>; 3], Cells<S>) {
         let position = [
             inside(simd, self.base[0] + at * self.delta[0], self.max_index[0]),
             inside(simd, self.base[1] + at * self.delta[1], self.max_index[1]),

@@ -53,6 +53,7 @@ mod shading;
 mod trace;
 
 pub(crate) use engine::{PacketEngine, PacketFrame};
-pub(crate) use patches::{PatchEngine, PatchFrame};
+pub(crate) use patches::{PatchEngine, PatchFrame, PatchPickEngine, PatchPickFrame};
 pub(crate) use picks::{PickEngine, PickFrame};
-pub(crate) use points::{PointEngine, PointFrame};
+pub(crate) use points::{PointEngine, PointFrame, PointPickEngine, PointPickFrame};
+pub(crate) use setup::FrameSetup;

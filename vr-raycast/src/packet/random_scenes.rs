@@ -162,3 +162,13 @@ pub(super) fn factors() -> impl Strategy<Value = Vec<(f64, f64)>> {
         factors
     })
 }
+
+/// Operators that pick a value, of values between 0 and 1.
+pub(super) fn picks() -> impl Strategy<Value = Compositing> {
+    prop_oneof![
+        Just(Compositing::Maximum),
+        Just(Compositing::Minimum),
+        Just(Compositing::Average),
+        (0.05f64..0.95).prop_map(|threshold| Compositing::First { threshold }),
+    ]
+}

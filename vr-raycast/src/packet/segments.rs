@@ -47,7 +47,7 @@ pub(crate) fn segments<S: Simd, T: PacketField>(
     lights: &PacketLights,
     stages: &mut [T::Stage; 2],
 ) -> PacketResult {
-    let ray = Path::new(simd, medium, packet);
+    let ray = Path::new(simd, medium.dims, packet);
     let mut lengths = Walker::new(simd, medium, steps.lengths, packet);
     let never = splat(simd, f32::NEG_INFINITY);
     let negligible = splat(simd, medium.negligible);
@@ -60,7 +60,7 @@ pub(crate) fn segments<S: Simd, T: PacketField>(
     let mut samples = 0;
     loop {
         // Leap to the next step of each ray; find its length, and that of the one behind it.
-        let (live, length) = lengths.next(simd, medium, &ray, &mut at, end);
+        let (live, length) = lengths.next(simd, &ray, &mut at, end);
         let bits = live.to_bitmask() as u32;
         if bits == 0 {
             break;
@@ -69,7 +69,7 @@ pub(crate) fn segments<S: Simd, T: PacketField>(
         let (mut follows, mut length_behind) = (live & !live, length * 0.5);
         let mut points = [at + length_behind, behind];
         if !steps.course.is_parabola {
-            (follows, length_behind) = lengths.behind(simd, medium, &ray, behind, end);
+            (follows, length_behind) = lengths.behind(simd, &ray, behind, end);
             follows &= live;
             points = [behind, behind + length_behind];
         }
@@ -78,13 +78,13 @@ pub(crate) fn segments<S: Simd, T: PacketField>(
         let stale = live & !known.simd_eq(at);
         if stale.any_true() {
             samples += stale.to_bitmask().count_ones();
-            let (_, cells) = ray.cells(simd, medium, at);
+            let (_, cells) = ray.cells(simd, at);
             medium.field.fetch(simd, &cells, now);
             front = pick(stale, lengths.value(simd, medium, &cells, now), front);
         }
-        let (_, cells) = ray.cells(simd, medium, points[0]);
+        let (_, cells) = ray.cells(simd, points[0]);
         medium.field.fetch(simd, &cells, now);
-        let (_, cells_behind) = ray.cells(simd, medium, points[1]);
+        let (_, cells_behind) = ray.cells(simd, points[1]);
         medium.field.fetch(simd, &cells_behind, next);
         let first = lengths.value(simd, medium, &cells, now);
         let second = lengths.value(simd, medium, &cells_behind, next);
@@ -154,14 +154,7 @@ impl<'a, S: Simd> Walker<'a, S> {
 
     /// Leaps over clear blocks, until at least half of the rays that go on have a step to take. Returns those, and the lengths of the steps.
     #[inline(always)]
-    fn next<T: PacketField>(
-        &mut self,
-        simd: S,
-        medium: &Medium<'_, T>,
-        ray: &Path<S>,
-        at: &mut f32x16<S>,
-        end: f32x16<S>,
-    ) -> (mask32x16<S>, f32x16<S>) {
+    fn next(&mut self, simd: S, ray: &Path<S>, at: &mut f32x16<S>, end: f32x16<S>) -> (mask32x16<S>, f32x16<S>) {
         match self {
             Self::Lattice { leaper, last, until_look } => {
                 let one = splat(simd, 1.0);
@@ -170,7 +163,7 @@ impl<'a, S: Simd> Walker<'a, S> {
                     if *until_look == 0 {
                         *until_look = STRIDE;
                         loop {
-                            let clear = clear_steps(simd, medium, ray, leaper, *at);
+                            let clear = clear_steps(simd, ray, leaper, *at);
                             let invisible = live & clear.simd_ge(one);
                             if invisible.all_false() {
                                 break;
@@ -191,7 +184,7 @@ impl<'a, S: Simd> Walker<'a, S> {
             Self::Local(steps, leaper) => {
                 // No rule over all values of a step crosses nodes at a mean.
                 let mut no_means = Lanes::ZERO;
-                let (live, length) = steps.leap(simd, medium, ray, leaper, at, end, &mut no_means);
+                let (live, length) = steps.leap(simd, ray, leaper, at, end, &mut no_means);
                 (live, length.max(splat(simd, 0.0)).min(end - *at).max(splat(simd, 0.0)))
             }
         }
@@ -199,20 +192,13 @@ impl<'a, S: Simd> Walker<'a, S> {
 
     /// Returns the rays that can take a step from a position on, without a leap, and its length; 0 for the others.
     #[inline(always)]
-    fn behind<T: PacketField>(
-        &self,
-        simd: S,
-        medium: &Medium<'_, T>,
-        ray: &Path<S>,
-        at: f32x16<S>,
-        end: f32x16<S>,
-    ) -> (mask32x16<S>, f32x16<S>) {
+    fn behind(&self, simd: S, ray: &Path<S>, at: f32x16<S>, end: f32x16<S>) -> (mask32x16<S>, f32x16<S>) {
         let zero = splat(simd, 0.0);
         let (follows, length) = match self {
             Self::Lattice { last, .. } => (at.simd_le(end), pick(at.simd_lt(end), splat(simd, 1.0), *last)),
             Self::Local(steps, leaper) => {
                 let mut no_means = Lanes::ZERO;
-                let length = steps.length(simd, medium, ray, leaper, at, &mut no_means);
+                let length = steps.length(simd, ray, leaper, at, &mut no_means);
                 (length.simd_ge(zero) & at.simd_lt(end - REST), length.min(end - at))
             }
         };
@@ -244,14 +230,13 @@ struct Stretch<S: Simd> {
 /// A step must end in the box of clear blocks, not only begin there. All that the field goes through in the box is clear, and so is what lies between the
 /// values at the ends of such a step.
 #[inline(always)]
-fn clear_steps<S: Simd, T: PacketField>(
+fn clear_steps<S: Simd>(
     simd: S,
-    medium: &Medium<'_, T>,
     ray: &Path<S>,
     (distances, leaper): &(&Distances, Leaper<S>),
     at: f32x16<S>,
 ) -> f32x16<S> {
-    let (position, cells) = ray.cells(simd, medium, at);
+    let (position, cells) = ray.cells(simd, at);
     let distance = distances.at(simd, &cells);
     let steps = leaper.steps(simd, position, &cells, distance) - 1.0;
     pick(distance.simd_gt(0), steps, splat(simd, 0.0))
@@ -286,8 +271,8 @@ fn look<S: Simd, T: PacketField>(
         }
         return seen;
     }
-    let (_, middle) = ray.cells(simd, medium, taken[0].at + taken[0].length * 0.5);
-    let (_, middle_behind) = ray.cells(simd, medium, taken[1].at + taken[1].length * 0.5);
+    let (_, middle) = ray.cells(simd, taken[0].at + taken[0].length * 0.5);
+    let (_, middle_behind) = ray.cells(simd, taken[1].at + taken[1].length * 0.5);
     let middles = [middle, middle_behind];
     let count = if course.is_parabola { 1 } else { 2 };
     let modulated = medium.shading.filter(|shading| shading.modulation.is_some());

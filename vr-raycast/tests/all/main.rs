@@ -15,6 +15,7 @@ mod homogeneity;
 mod idle_options;
 mod leaping;
 mod narrow_fields;
+mod picked_fields;
 mod point_means;
 mod probe;
 mod properties;

@@ -8,7 +8,7 @@ mod colors;
 mod filtered;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16};
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use vr_kernels::vector::{Cells, Field, Lanes, Pairs, Shade, Stage, StepOptics, central_differences};
 
 pub(crate) use filtered::{FilteredField, can_sample};
@@ -37,6 +37,12 @@ pub(crate) trait PacketField {
     #[inline(always)]
     fn outside_vacuum<S: Simd>(&self, _: S, light: [f32x16<S>; 4], _: &Self::Stage) -> [f32x16<S>; 4] {
         light
+    }
+
+    /// Those of some lanes whose places, fetched last, have a field, as far as no cells tell it.
+    #[inline(always)]
+    fn has_field<S: Simd>(&self, _: S, lanes: mask32x16<S>, _: &Self::Stage) -> mask32x16<S> {
+        lanes
     }
 
     /// Returns the gradients at places, per index step, and how they change over steps of an extent, where they are followed: `at` and `step` are those of

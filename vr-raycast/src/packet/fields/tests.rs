@@ -143,8 +143,7 @@ proptest! {
 
     /// Under operators that pick a value, with colours and without.
     #[test]
-    fn picks_are_those_of_the_plain_engine((scene, view) in scenes(0.9), filter in filters(), seed in prop::option::of(any::<u64>()), smallest in any::<bool>(), step in 0.1f64..2.5) {
-        let compositing = if smallest { Compositing::Minimum } else { Compositing::Maximum };
+    fn picks_are_those_of_the_plain_engine((scene, view) in scenes(0.9), filter in filters(), seed in prop::option::of(any::<u64>()), compositing in prop::sample::select(vec![Compositing::Minimum, Compositing::Maximum, Compositing::Average]), step in 0.1f64..2.5) {
         let mut scene = Scene { compositing, ..scene }.with_filter(filter);
         if let Some(seed) = seed {
             scene = with_colors(scene, seed);

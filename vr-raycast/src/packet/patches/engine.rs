@@ -3,31 +3,22 @@
 use std::sync::Arc;
 
 use fearless_simd::{Level, Simd};
-use vr_core::amr::AmrGrid;
 use vr_core::image_order::ImageSample;
-use vr_core::{
-    Calibration, Compositing, Counts, IndexRay, Layer, MaxRadiance, ParameterError, Rays, RectilinearGrid, Scene, View,
-    Volume,
-};
+use vr_core::{Compositing, Counts, Layer, MaxRadiance, ParameterError, Rays, Scene, View};
 use vr_kernels::tables::{BakedTransfer, rounding_over, table_range};
 use vr_kernels::vector::{self, LANES, Lanes, OpticsTable, PacketLights, PacketShading, Vectorized};
 
-use super::axis_table::AxisTable;
-use super::lanes::WorldRay;
-use super::march::{LaneRay, PatchMedium, Patches, Work, march};
-use super::mesh::{MeshBlock, MeshPatches, gradient_length};
-use super::mesh_lattices::MeshLattices;
-use super::mesh_paces::MeshPaces;
-use super::rectilinear::RectilinearPatches;
-use super::rectilinear_paces::RectilinearPaces;
+use super::march::{PatchMedium, Patches, Work, march};
+use super::rays::PatchRays;
 use super::steps::StepBatches;
+use super::volume::{PatchVolume, range_of, with_patches};
 use crate::caster::{CompositingOrder, EmptySpace, Precision, RayCaster, Rule, TransferLookup};
 use crate::leap::Visibility;
 use crate::pace::{Lengths, Pace};
 use crate::packet::level;
 use crate::packet::shading::{row_tables, world_shading};
 use crate::source::Source;
-use crate::table_range::{MAX_ROUNDING, field_range};
+use crate::table_range::MAX_ROUNDING;
 use crate::tracer::{RaySample, Tracer};
 
 /// State that the engine keeps from frame to frame.
@@ -45,53 +36,6 @@ pub(crate) struct PatchEngine {
     cut: f64,
     max_radiance: MaxRadiance,
     shading: Option<PacketShading>,
-}
-
-/// Volume that is a regular lattice patch by patch.
-#[derive(Clone, Debug)]
-enum PatchVolume {
-    Amr { grid: Arc<AmrGrid>, blocks: Arc<Vec<MeshBlock>>, lattices: Arc<MeshLattices>, paces: Arc<MeshPaces> },
-    Rectilinear(Arc<RectilinearGrid>, Arc<[AxisTable; 3]>, Arc<RectilinearPaces>),
-}
-
-impl PatchVolume {
-    fn new(volume: &Volume, pace: &Pace<f32>, has_gradients: bool) -> Option<Self> {
-        match volume {
-            Volume::Amr(grid) => {
-                let blocks = grid.derived().get((), || MeshBlock::all_of(grid));
-                let paces = Arc::new(MeshPaces::new(grid, pace));
-                let lattices = grid.derived().get((), || MeshLattices::new(grid));
-                lattices.make(grid, has_gradients, |block| paces.is_seen(grid, block));
-                Some(Self::Amr { grid: Arc::clone(grid), blocks, lattices, paces })
-            }
-            Volume::Rectilinear(grid) => {
-                let paces = Arc::new(RectilinearPaces::new(grid, pace));
-                Some(Self::Rectilinear(Arc::clone(grid), RectilinearPatches::tables(grid), paces))
-            }
-            _ => None,
-        }
-    }
-
-    /// Values per world unit that a gradient of 1 stands for, as the patches tell gradients.
-    fn gradient_unit(&self) -> f64 {
-        match self {
-            Self::Amr { grid, .. } => 1.0 / gradient_length(grid),
-            Self::Rectilinear(grid, ..) => {
-                grid.lattice().calibration().slope.abs() / RectilinearPatches::gradient_length(grid)
-            }
-        }
-    }
-}
-
-/// Range of a volume's numbers as packets read them, and their calibration; `None` for a volume that packets cannot read.
-fn range_of(volume: &Volume) -> Option<((f64, f64), Calibration)> {
-    match volume {
-        Volume::Amr(grid) => Some((grid.value_range(), Calibration::default())),
-        Volume::Rectilinear(grid) if RectilinearPatches::can_number(grid) => {
-            Some((field_range(grid.lattice())?, grid.lattice().calibration()))
-        }
-        _ => None,
-    }
 }
 
 impl PatchEngine {
@@ -144,10 +88,7 @@ impl PatchEngine {
 /// Engine with a view.
 pub(crate) struct PatchFrame<'a> {
     engine: &'a PatchEngine,
-    source: &'a Source,
-    rays: Rays,
-    view: &'a View,
-    layer: Option<&'a Layer>,
+    rays: PatchRays<'a>,
 }
 
 impl<'a> PatchFrame<'a> {
@@ -158,7 +99,8 @@ impl<'a> PatchFrame<'a> {
         source: &'a Source,
         (view, layer): (&'a View, Option<&'a Layer>),
     ) -> Result<Self, ParameterError> {
-        Ok(Self { engine, source, rays: Rays::new(view)?, view, layer })
+        let rays = PatchRays { rays: Rays::new(view)?, source, view, layer, samples_ends: false };
+        Ok(Self { engine, rays })
     }
 
     fn medium<P>(&self, patches: P) -> PatchMedium<'_, P> {
@@ -176,17 +118,10 @@ impl<'a> PatchFrame<'a> {
 impl Tracer for PatchFrame<'_> {
     fn trace(&self, spots: &[ImageSample], _: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
         let engine = self.engine;
-        match &engine.volume {
-            PatchVolume::Amr { grid, blocks, lattices, paces } => {
-                let patches = MeshPatches { grid, samples: grid.samples(), lattices, blocks, paces, unit: engine.unit };
-                let medium = self.medium(patches);
-                vector::run(engine.level, Trace { frame: self, medium: &medium, spots, values, counts });
-            }
-            PatchVolume::Rectilinear(grid, tables, paces) => {
-                let medium = self.medium(RectilinearPatches::new(grid, tables, paces, engine.unit));
-                vector::run(engine.level, Trace { frame: self, medium: &medium, spots, values, counts });
-            }
-        }
+        with_patches!(&engine.volume, engine.unit, patches => {
+            let medium = self.medium(patches);
+            vector::run(engine.level, Trace { frame: self, medium: &medium, spots, values, counts });
+        });
     }
 }
 
@@ -208,56 +143,30 @@ impl<P: Patches> Vectorized for Trace<'_, '_, P> {
         let (mut lights, mut work) = (PacketLights::default(), Work::new(&medium.patches));
         let mut batches: [StepBatches; LANES] = std::array::from_fn(|_| StepBatches::default());
         for spots in spots.chunks(LANES) {
-            let mut parts = [None; LANES];
-            let mut directions = [[0.0; LANES]; 3];
-            let mut max_light = Lanes::ZERO;
-            let mut batches = batches.iter_mut();
-            let mut lane_rays = std::array::from_fn(|lane| {
-                let spot = &spots[lane.min(spots.len() - 1)];
-                let (ray, part) = frame.cut(spot);
-                (0..3).for_each(|a| directions[a][lane] = ray.direction[a]);
-                let batches = batches.next()?;
-                let part = part.filter(|_| lane < spots.len())?;
-                parts[lane] = Some(part);
-                max_light.0[lane] = frame.engine.max_radiance.over(part.length()) as f32;
-                batches.begin([part.start, part.end]);
-                let base = ray.origin + ray.direction * part.offset;
-                let world = WorldRay { base, direction: ray.direction, start: part.start };
-                Some(LaneRay { world, parts: medium.patches.parts(ray, part), batches })
-            });
+            let (packet, mut lane_rays) = frame.rays.packet(&medium.patches, spots, &mut batches);
             let mut traced = [RaySample::NOTHING; LANES];
-            let hits = parts.iter().flatten().count();
+            let hits = packet.parts.iter().flatten().count();
             if hits > 0 {
                 if let Some(shading) = medium.shading {
-                    lights.look_along(&shading.lights, &directions);
+                    lights.look_along(&shading.lights, &packet.directions);
                 }
-                let marched = march(simd, medium, &mut lane_rays, &max_light, &lights, &mut work);
+                let max_light = packet.parts.map(|part| match part {
+                    Some(part) => frame.engine.max_radiance.over(part.length()) as f32,
+                    None => 0.0,
+                });
+                let marched = march(simd, medium, &mut lane_rays, &Lanes(max_light), &lights, &mut work);
                 counts.rays += hits as u64;
                 counts.samples += u64::from(marched.samples);
                 counts.terminated += u64::from(marched.terminated.count_ones());
-                for (lane, part) in parts.iter().enumerate() {
+                for (lane, part) in packet.parts.iter().enumerate() {
                     let Some(part) = part else { continue };
                     traced[lane].rgba = std::array::from_fn(|c| marched.rgba[c].0[lane]);
                     let half = f64::from(marched.half.0[lane]) * medium.unit;
                     traced[lane].depth = (part.offset + part.start + half) as f32;
                 }
             }
-            if let Some(layer) = frame.layer {
-                for (value, spot) in traced.iter_mut().zip(spots) {
-                    *value = value.over(layer, spot.pixel);
-                }
-            }
+            frame.rays.add_layer(spots, &mut traced);
             values.extend_from_slice(&traced[..spots.len()]);
         }
-    }
-}
-
-impl PatchFrame<'_> {
-    /// Returns the ray through a place of the image, and its part inside the volume.
-    fn cut(&self, spot: &ImageSample) -> (vr_core::Ray, Option<IndexRay>) {
-        let ray = self.rays.at(spot.x, spot.y);
-        let far = self.layer.map_or(f64::INFINITY, |layer| layer.depth(spot.pixel));
-        let part = IndexRay::new(&ray, self.source.placement(), self.source.dims(), &self.view.clip, far);
-        (ray, part)
     }
 }

@@ -97,13 +97,15 @@ pub(crate) struct LaneRay<'b, I> {
     pub(crate) world: WorldRay,
     pub(crate) parts: I,
     pub(crate) batches: &'b mut StepBatches,
+    /// Distance of the sample before the batch that its lane works off.
+    pub(crate) before: f64,
 }
 
 /// Working memory of the march.
 pub(crate) struct Work<P: Patches> {
-    steps: LaneSteps,
-    within: P::Lanes,
-    stages: [Stage<f32>; 2],
+    pub(super) steps: LaneSteps,
+    pub(super) within: P::Lanes,
+    pub(super) stages: [Stage<f32>; 2],
     around: P::Around,
 }
 
@@ -156,7 +158,7 @@ fn through<S: Simd, P: Patches, I: Iterator<Item = Part>>(
         // Lanes whose batch is done take the next one of their rays.
         let idle = unfinished & !(work.steps.left.load(simd).simd_gt(zero).to_bitmask() as u32);
         if idle != 0 {
-            unfinished &= !refill(medium, rays, idle, work);
+            unfinished &= !refill(&medium.patches, rays, idle, work);
         }
         let left = work.steps.left.load(simd);
         let live = left.simd_gt(zero);
@@ -212,16 +214,19 @@ fn through<S: Simd, P: Patches, I: Iterator<Item = Part>>(
 
 /// Gives lanes that have nothing to do the next steps of their rays; returns the lanes whose rays have no more.
 #[inline(never)]
-fn refill<P: Patches, I: Iterator<Item = Part>>(
-    medium: &PatchMedium<'_, P>,
+pub(super) fn refill<P: Patches, I: Iterator<Item = Part>>(
+    patches: &P,
     rays: &mut [Option<LaneRay<'_, I>>; LANES],
     idle: u32,
     work: &mut Work<P>,
 ) -> u32 {
     let mut finished = 0;
     for (lane, slot) in rays.iter_mut().enumerate().filter(|(lane, _)| idle >> lane & 1 == 1) {
-        match slot.as_mut().and_then(|ray| Some((ray.world, ray.batches.next(&mut ray.parts)?))) {
-            Some((world, batch)) => medium.patches.enter(&mut work.within, &mut work.steps, lane, &world, &batch),
+        match slot.as_mut().and_then(|ray| Some((ray.batches.next(&mut ray.parts)?, ray))) {
+            Some((batch, ray)) => {
+                ray.before = batch.before;
+                patches.enter(&mut work.within, &mut work.steps, lane, &ray.world, &batch);
+            }
             None => {
                 work.steps.left.0[lane] = 0.0;
                 finished |= 1 << lane;
@@ -233,7 +238,11 @@ fn refill<P: Patches, I: Iterator<Item = Part>>(
 
 /// Ends rays; returns those of which steps were left.
 #[inline(never)]
-fn terminate<I: Iterator<Item = Part>>(rays: &mut [Option<LaneRay<'_, I>>; LANES], ended: u32, left: &Lanes) -> u32 {
+pub(super) fn terminate<I: Iterator<Item = Part>>(
+    rays: &mut [Option<LaneRay<'_, I>>; LANES],
+    ended: u32,
+    left: &Lanes,
+) -> u32 {
     let mut early = 0;
     for (lane, slot) in rays.iter_mut().enumerate().filter(|(lane, _)| ended >> lane & 1 == 1) {
         if let Some(mut ray) = slot.take() {

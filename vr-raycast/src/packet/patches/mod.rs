@@ -12,6 +12,8 @@
 //! In a patch of a rectilinear grid ([`rectilinear`]) cells are of similar widths along each axis. Places are counted in bins no wider than a cell, and a
 //! table leads from the bin to the cell ([`axis_table`]); where all cells are of one width, bins are cells, and nothing is looked up. Samples and gradients
 //! are gathered from the whole grid, as in a uniform one.
+//!
+//! Operators that pick a value take the same steps, and the ends of rays ([`pick_march`]).
 
 mod axis_table;
 mod engine;
@@ -23,11 +25,16 @@ mod mesh_lanes;
 mod mesh_lattices;
 mod mesh_paces;
 mod mesh_rim;
+mod pick_engine;
+mod pick_march;
+mod rays;
 mod rectilinear;
 mod rectilinear_paces;
 mod steps;
+mod volume;
 
 pub(crate) use engine::{PatchEngine, PatchFrame};
+pub(crate) use pick_engine::{PatchPickEngine, PatchPickFrame};
 
 #[cfg(test)]
 mod tests;

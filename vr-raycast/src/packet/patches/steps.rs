@@ -30,6 +30,8 @@ pub(crate) struct Batch {
     /// Number of the first one.
     pub(crate) first: u32,
     pub(crate) count: u32,
+    /// Distance of the middle of the step before, whether that can be seen or not; of the begin of the ray, before the first step.
+    pub(crate) before: f64,
 }
 
 /// Largest number of a step in a batch: f32 counts them exactly.
@@ -49,6 +51,10 @@ pub(crate) struct StepBatches {
     /// True if there are no more parts.
     is_closed: bool,
     run: Run,
+    /// True if the begin of the ray is to be sampled yet, and its end.
+    samples_ends: [bool; 2],
+    /// Distance of the middle of the last step, whether that can be seen or not; of the begin of the ray, before the first step.
+    middle: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -74,10 +80,32 @@ struct Run {
 }
 
 impl StepBatches {
-    /// Begins with the parts of another ray, between two distances.
-    pub(crate) fn begin(&mut self, ends: [f64; 2]) {
+    /// Begins with the parts of another ray, between two distances; these are sampled, too, as steps without a length, if `samples_ends`.
+    pub(crate) fn begin(&mut self, ends: [f64; 2], samples_ends: bool) {
         self.ahead.clear();
         (self.ends, self.last, self.is_closed, self.run) = (ends, None, false, Run::default());
+        (self.samples_ends, self.middle) = ([samples_ends; 2], ends[0]);
+    }
+
+    /// Returns the next batch of steps that can be seen, or an end of the ray that can, and is not in vacuum.
+    pub(crate) fn next(&mut self, parts: &mut impl Iterator<Item = Part>) -> Option<Batch> {
+        let [start, end] = self.ends;
+        if std::mem::take(&mut self.samples_ends[0]) {
+            self.pull(parts);
+            let first = self.ahead.front().filter(|first| first.part.from == start && first.part.is_seen);
+            if let Some(first) = first {
+                let patch = first.part.patch;
+                return Some(self.single(patch, [start, 0.0]));
+            }
+        }
+        if let Some(batch) = self.next_steps(parts) {
+            return Some(batch);
+        }
+        if std::mem::take(&mut self.samples_ends[1]) {
+            let last = self.last.filter(|last| last.to >= end - SLIVER * last.step && last.is_seen)?;
+            return Some(self.single(last.patch, [end, 0.0]));
+        }
+        None
     }
 
     /// Asks for one more part.
@@ -104,7 +132,7 @@ impl StepBatches {
     }
 
     /// Returns the next batch of steps that can be seen.
-    pub(crate) fn next(&mut self, parts: &mut impl Iterator<Item = Part>) -> Option<Batch> {
+    fn next_steps(&mut self, parts: &mut impl Iterator<Item = Part>) -> Option<Batch> {
         let mut found: Option<Batch> = None;
         loop {
             if self.ahead.len() < 2 && !self.is_closed {
@@ -151,16 +179,18 @@ impl StepBatches {
                 self.run.has_skin = false;
                 if first > 2.0 * skin {
                     self.run.rest = Some([from + skin, first - skin]);
+                    let skin = self.single(part.patch, [from, skin]);
                     if part.is_seen {
-                        return Some(single(part.patch, [from, skin]));
+                        return Some(skin);
                     }
                 }
             }
             if let Some(rest) = self.run.rest {
                 if is_mine(rest) {
                     (self.run.rest, self.run.next) = (None, 1);
+                    let rest = self.single(part.patch, rest);
                     if part.is_seen {
-                        return Some(single(part.patch, rest));
+                        return Some(rest);
                     }
                 } else {
                     self.ahead.pop_front();
@@ -178,11 +208,13 @@ impl StepBatches {
                     Some(batch) => return Some(*batch),
                     None if part.is_seen => {
                         let begin = from + f64::from(anchor + (number - first)) * step;
-                        found = Some(Batch { patch: part.patch, begin, length: step, first, count });
+                        let before = self.middle;
+                        found = Some(Batch { patch: part.patch, begin, length: step, first, count, before });
                     }
                     None => {}
                 }
                 self.run.next += count;
+                self.middle = from + (f64::from(self.run.next) - 0.5) * step;
                 continue;
             }
             // A shorter one at the end.
@@ -193,14 +225,21 @@ impl StepBatches {
                         return found;
                     }
                     self.run.next += 1;
+                    let last = self.single(part.patch, last);
                     if part.is_seen {
-                        return Some(single(part.patch, last));
+                        return Some(last);
                     }
                     continue;
                 }
             }
             self.ahead.pop_front();
         }
+    }
+
+    /// Batch of one step, which comes next on the ray.
+    fn single(&mut self, patch: usize, [begin, length]: [f64; 2]) -> Batch {
+        let before = std::mem::replace(&mut self.middle, begin + 0.5 * length);
+        Batch { patch, begin, length, first: 0, count: 1, before }
     }
 
     /// End of the lattice of the first part, as far as it is known, and true if it goes no further.
@@ -221,10 +260,6 @@ impl StepBatches {
 fn ceil(x: f64) -> u32 {
     let cut = x as u32;
     cut.saturating_add(u32::from(f64::from(cut) < x))
-}
-
-fn single(patch: usize, [begin, length]: [f64; 2]) -> Batch {
-    Batch { patch, begin, length, first: 0, count: 1 }
 }
 
 #[cfg(test)]
@@ -261,19 +296,23 @@ mod tests {
                     parts.push(Part { from, to, patch, step: step * spacing, is_seen });
                 }
             }
-            let shows = |range: [f32; 2]| range[1] > 0.0;
             let length = |stretch: &Stretch| step * stretch.spacing;
-            let rule = StretchSteps { length: &length, shows: &shows, before: 0, backwards: false };
+            let rule = StretchSteps { length: &length, shows: &|_| true, before: 0, backwards: false };
             let (mut walk, _) = stretched_walk(&ray, &stretches, &rule);
-            let (mut steps, mut want) = (Steps::new(), Vec::new());
+            let (mut steps, mut every, mut want) = (Steps::new(), Vec::new(), Vec::new());
             let seen = |s: f64| parts.iter().any(|p: &Part| p.is_seen && p.from - 1e-9 <= s && s < p.to + 1e-9);
             while walk.next(&mut steps) {
                 let all = (0..steps.len).map(|k| [steps.begin[k], steps.length[k]]);
+                every.extend(all.clone());
                 want.extend(all.filter(|[begin, length]| seen(begin + 0.5 * length)));
             }
             let (mut batches, mut source, mut got) = (StepBatches::default(), parts.iter().copied(), Vec::new());
-            batches.begin([begin, end]);
+            batches.begin([begin, end], false);
+            let middles: Vec<f64> = [begin].into_iter().chain(every.iter().map(|[begin, length]| begin + 0.5 * length)).collect();
             while let Some(batch) = batches.next(&mut source) {
+                let first = batch.begin + (f64::from(batch.first) + 0.5) * batch.length;
+                let before = middles.iter().rfind(|&&middle| middle < first - 1e-9);
+                prop_assert!(before.is_none_or(|before| (batch.before - before).abs() < 1e-9), "{:?} for {:?}", batch, before);
                 for k in batch.first..batch.first + batch.count {
                     let step = [batch.begin + f64::from(k) * batch.length, batch.length];
                     // In its patch, or within rounding of it.

@@ -9,16 +9,17 @@ use vr_core::amr::{AmrCentring, AmrGrid, AmrSampling};
 use vr_core::image_order::ImageSample;
 use vr_core::rectilinear::{Centering, RectilinearGrid};
 use vr_core::{
-    Camera, Clip, Control, ControlPoint, Counts, GradientMethod, Light, OpacityRule, Plane, Scene, Shading,
-    TransferFunction, View, Volume,
+    Camera, Clip, Compositing, Control, ControlPoint, Counts, GradientMethod, Light, OpacityRule, Plane, Scene,
+    Shading, TransferFunction, View, Volume,
 };
 use vr_physics::check::FixedLayer;
 
-use super::super::compared::{bits, plain, row_by_row, same};
-use super::super::random_scenes::{factors, steps, sums};
+use super::super::compared::{bits, plain, row_by_row, same, same_picks};
+use super::super::random_scenes::{factors, picks, steps, sums};
 use super::{PatchEngine, PatchFrame};
-use crate::caster::{CompositingOrder, EmptySpace, RayCaster, Step};
-use crate::engine::lengths;
+use crate::caster::{CompositingOrder, EmptySpace, RayCaster, Step, Vector};
+use crate::engine::{Engine, lengths};
+use crate::prepared::PreparedCaster;
 use crate::source::Source;
 use crate::tracer::{RaySample, Tracer};
 
@@ -204,8 +205,62 @@ fn gradient_looks() -> impl Strategy<Value = GradientLook> {
 /// pictures differ by 10⁻⁶; one in a hundred by more than 10⁻⁵.
 const TWO_ENGINES: f32 = 4e-5;
 
+/// Largest difference of shaded surfaces: their places are as exact as f32 has them, and gradients turn within a cell.
+const TWO_SURFACES: f32 = 2e-3;
+
 /// Largest difference of shaded pictures: gradients are differences, of a few per cent of the values that are rounded.
 const TWO_SHADINGS: f32 = 1e-3;
+
+/// The scene under an operator that picks values, and a ramp over all of them: a difference of values is one of pixels, and not larger.
+fn picking(scene: Scene, compositing: Compositing, shaded: bool) -> Scene {
+    let points = vec![ControlPoint::new(0.0, [0.0, 0.2, 1.0], 0.0), ControlPoint::new(1.0, [1.0, 0.7, 0.2], 1.0)];
+    let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
+    let shading = shaded.then(|| Arc::new(Shading::default()));
+    Scene { compositing, shading, transfer: transfer.into(), ..scene }
+}
+
+/// Samples of the packets that pick values.
+fn picked(caster: &RayCaster, scene: &Scene, view: &View, spots: &[ImageSample]) -> (Vec<RaySample>, Counts) {
+    let control = Control::default();
+    let prepared = PreparedCaster::new(caster.clone(), scene, &control).unwrap();
+    assert!(matches!(prepared.engine, Engine::PatchPicks(..)));
+    let layer = scene.layer(view, &control).unwrap();
+    let (mut values, mut counts) = (Vec::new(), Counts::default());
+    prepared.tracer((view, layer.as_ref())).unwrap().trace(spots, None, &mut values, &mut counts);
+    (values, counts)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 192, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn picks_what_the_plain_engine_picks((scene, view) in scenes(), compositing in picks(), step in 0.1f64..2.5, shaded in any::<bool>()) {
+        let scene = picking(scene, compositing, shaded);
+        let caster = RayCaster::uniform(step);
+        let (values, counts) = picked(&caster, &scene, &view, &row_by_row(&view));
+        let plain = plain(&caster, &scene, &view);
+        prop_assert_eq!(counts.rays, plain.stats.counts.rays);
+        let turns = shaded && matches!(compositing, Compositing::First { .. });
+        same_picks(values.iter().map(|value| value.rgba), &plain, (compositing, true), if turns { TWO_SURFACES } else { TWO_ENGINES })?;
+    }
+
+    #[test]
+    fn no_bit_of_what_is_picked_depends_on_leaping_level_or_company((scene, view) in scenes(), compositing in picks(), step in 0.1f64..2.5, shaded in any::<bool>()) {
+        let scene = picking(scene, compositing, shaded);
+        let leaping = RayCaster::uniform(step);
+        let spots = row_by_row(&view);
+        let (values, fewer) = picked(&leaping, &scene, &view, &spots);
+        let (all, every) = picked(&RayCaster { empty_space: EmptySpace::None, ..leaping.clone() }, &scene, &view, &spots);
+        prop_assert!(fewer.samples <= every.samples);
+        prop_assert_eq!(bits(&values), bits(&all));
+        for vector in [Vector::Avx2, Vector::Baseline] {
+            let other = RayCaster { vector, ..leaping.clone() };
+            prop_assert_eq!(bits(&picked(&other, &scene, &view, &spots).0), bits(&values), "{:?}", vector);
+        }
+        let alone: Vec<_> = spots.iter().flat_map(|s| bits(&picked(&leaping, &scene, &view, &[*s]).0)).collect();
+        prop_assert_eq!(alone, bits(&values));
+    }
+}
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]

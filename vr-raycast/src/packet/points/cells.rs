@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use vr_core::{Placement, PointMixing, PointSet};
+use vr_kernels::vector::LANES;
 
 /// Support as seen from a cell that it reaches into.
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +50,9 @@ pub(super) struct PointLevel {
     points: Vec<NearPoint>,
     /// Part of each point in means; empty where a set has none.
     carried: Vec<Carried>,
+    /// Offsets of the points, axis by axis, and squares of their radii, in units of the spacing: for looking at sixteen of them at once. So many more at the end;
+    /// empty where a set has no means.
+    pub(super) supports: [Vec<f32>; 4],
 }
 
 /// Shift of the smallest cells, twice as long as those of the field's lattice, whose edges are about half the mean radius: lists of smaller cells hold fewer
@@ -144,19 +148,36 @@ impl PointLevel {
                 next[cell] += 1;
             });
         }
-        holds.then_some(Self { shift, cells, first, points: near, carried })
+        let has_jumps = points.mixing() == PointMixing::Mean;
+        let column = |of: &dyn Fn(&NearPoint) -> f32| {
+            let padded = near.iter().map(of).chain([0.0; LANES]);
+            if has_jumps { padded.collect() } else { Vec::new() }
+        };
+        let supports = [
+            column(&|near| near.offset[0]),
+            column(&|near| near.offset[1]),
+            column(&|near| near.offset[2]),
+            column(&|near| 1.0 / near.per_square),
+        ];
+        holds.then_some(Self { shift, cells, first, points: near, carried, supports })
+    }
+
+    /// Returns the numbers of the entries of a cell.
+    #[inline(always)]
+    pub(super) fn entries(&self, cell: usize) -> std::ops::Range<usize> {
+        self.first[cell] as usize..self.first[cell + 1] as usize
     }
 
     /// Returns the points that reach into a cell.
     #[inline(always)]
     pub(super) fn of(&self, cell: usize) -> &[NearPoint] {
-        &self.points[self.first[cell] as usize..self.first[cell + 1] as usize]
+        &self.points[self.entries(cell)]
     }
 
     /// Returns the parts of these points in means.
     #[inline(always)]
     pub(super) fn carried(&self, cell: usize) -> &[Carried] {
-        &self.carried[self.first[cell] as usize..self.first[cell + 1] as usize]
+        &self.carried[self.entries(cell)]
     }
 }
 

@@ -74,16 +74,10 @@ impl PointEngine {
         }
         let (placement, dims) = (*source.placement(), source.dims());
         let step = caster.world_step(&placement);
-        let (low, high) = points.bounds();
-        let max_steps = if points.mixing() == PointMixing::Mean { MAX_LISTED } else { MAX_STEPS };
-        if 2.0 * (high - low).length() / step >= max_steps {
+        if !can_number(points, step) || !resolves(points, &scene.transfer) {
             return None;
         }
-        let largest = largest_value(points);
-        let calibration = Calibration::default();
-        if rounding_over((-largest, largest), calibration, false, &scene.transfer) > MAX_ROUNDING {
-            return None;
-        }
+        let (largest, calibration) = (largest_value(points), Calibration::default());
         // Where a table over values does not resolve the transfer function, one over places does.
         let table_of = |transfer: &TransferFunction| table_of(transfer, largest, step);
         let (table, ramps) = match table_of(&scene.transfer) {
@@ -93,8 +87,7 @@ impl PointEngine {
                 (table_of(&transfer)?, Some((Arc::new(ramps), transfer)))
             }
         };
-        let cells = points.derived().get((), || PointCells::new(points, &placement, dims).map(Arc::new));
-        let cells = cells.as_ref().clone()?;
+        let cells = listed_cells(points, &placement, dims)?;
         let transfer = ramps.as_ref().map_or(&*scene.transfer, |(_, transfer)| transfer);
         let shading = world_shading(scene, row_tables(scene, &table, calibration, step)?, 1.0);
         Some(Self {
@@ -118,6 +111,25 @@ impl PointEngine {
 
 /// Largest number of steps of a ray that are listed: 1 MiB.
 const MAX_LISTED: f64 = (1 << 16) as f64;
+
+/// True if f32 numbers the steps of a length through a set of points.
+pub(super) fn can_number(points: &PointSet, step: f64) -> bool {
+    let (low, high) = points.bounds();
+    let max_steps = if points.mixing() == PointMixing::Mean { MAX_LISTED } else { MAX_STEPS };
+    2.0 * (high - low).length() / step < max_steps
+}
+
+/// True if values of a set in f32 are exact enough for a transfer function.
+pub(super) fn resolves(points: &PointSet, transfer: &TransferFunction) -> bool {
+    let largest = largest_value(points);
+    rounding_over((-largest, largest), Calibration::default(), false, transfer) <= MAX_ROUNDING
+}
+
+/// Lists of the points of a set in the cells of a lattice, kept with it; `None` if they take too much memory.
+pub(super) fn listed_cells(points: &PointSet, placement: &Placement, dims: [usize; 3]) -> Option<Arc<PointCells>> {
+    let cells = points.derived().get((), || PointCells::new(points, placement, dims).map(Arc::new));
+    cells.as_ref().clone()
+}
 
 /// Largest size of a value of a set, but for what a sum may be larger than at points' own places: it is known to some roundings of that.
 fn largest_value(points: &PointSet) -> f64 {
@@ -162,19 +174,13 @@ impl<'a> PointFrame<'a> {
 impl Tracer for PointFrame<'_> {
     fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
         let engine = self.engine;
-        let kernel = engine.points.kernel();
-        // W(t) over the same without its factor, at a place where neither is small.
-        let factor =
-            kernel.at(0.0) / if kernel == vr_core::PointKernel::Gaussian { 1.0 - libm::exp(-4.5) } else { 1.0 };
-        let steps = MeanSteps { points: &engine.points, step: engine.step };
+        let steps =
+            MeanSteps { cells: &engine.cells, placement: &engine.placement, level: engine.level, step: engine.step };
         let medium = Medium {
             field: PointField {
-                cells: &engine.cells,
-                kernel,
-                factor: factor as f32,
-                mixing: engine.points.mixing(),
                 has_colors: engine.points.colors().is_some(),
                 ramps: engine.ramps.as_deref(),
+                ..PointField::of_values(&engine.points, &engine.cells)
             },
             vacuum: None,
             dims: engine.dims,

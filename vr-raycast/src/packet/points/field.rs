@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
-use vr_core::{PointKernel, PointMixing};
+use vr_core::{PointKernel, PointMixing, PointSet};
 use vr_kernels::vector::{Cells, LANES, Lanes, Shade, StepOptics, opacity_of_depth, pick, splat};
 
 use super::cells::{Carried, NearPoint, PointCells};
@@ -97,6 +97,16 @@ const NOTHING: Carried = Carried { weight: 0.0, value: 0.0, color: [0.0; 3] };
 /// −ln of a Gaussian at its radius, and the Gaussian there.
 const GAUSSIAN: f32 = 4.5;
 const GAUSSIAN_EDGE: f32 = 0.011_108_997;
+
+impl<'a> PointField<'a> {
+    /// Field of the values of a set, as they are and without its colours.
+    pub(super) fn of_values(points: &PointSet, cells: &'a PointCells) -> Self {
+        let kernel = points.kernel();
+        // W(t) over the same without its factor, at a place where neither is small.
+        let factor = kernel.at(0.0) / if kernel == PointKernel::Gaussian { 1.0 - libm::exp(-4.5) } else { 1.0 };
+        Self { cells, kernel, factor: factor as f32, mixing: points.mixing(), has_colors: false, ramps: None }
+    }
+}
 
 impl PointField<'_> {
     /// Calls `add` with each point near sixteen places, and its part in means where these are asked for: the vectors from it to them, the squares of their
@@ -330,6 +340,11 @@ impl PacketField for PointField<'_> {
     fn outside_vacuum<S: Simd>(&self, simd: S, [r, g, b, a]: [f32x16<S>; 4], stage: &PointStage) -> [f32x16<S>; 4] {
         let (zero, exists) = (splat(simd, 0.0), stage.exists.load(simd).simd_gt(splat(simd, 0.0)));
         [pick(exists, r, zero), pick(exists, g, zero), pick(exists, b, zero), pick(exists, a, zero)]
+    }
+
+    #[inline(always)]
+    fn has_field<S: Simd>(&self, simd: S, lanes: mask32x16<S>, stage: &PointStage) -> mask32x16<S> {
+        lanes & stage.exists.load(simd).simd_gt(splat(simd, 0.0))
     }
 
     /// Gradients per world unit; they are not followed.

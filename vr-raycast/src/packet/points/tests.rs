@@ -5,14 +5,14 @@ use std::sync::Arc;
 use glam::DVec3;
 use proptest::prelude::*;
 use vr_core::{
-    Camera, Control, OpacityRule, PointKernel, PointMixing, PointSet, Rendered, Scene, Shading, TransferFunction, View,
-    phantom,
+    Camera, Compositing, Control, ControlPoint, OpacityRule, PointKernel, PointMixing, PointSet, Rendered, Scene,
+    Shading, TransferFunction, View, phantom,
 };
 
 use crate::caster::{CompositingOrder, RayCaster, Rule, Step, Vector};
 use crate::engine::Engine;
-use crate::packet::compared::{bits, plain, row_by_row, same};
-use crate::packet::random_scenes::{factors, row_transfers, sums, transfers};
+use crate::packet::compared::{bits, plain, row_by_row, same, same_picks};
+use crate::packet::random_scenes::{factors, picks, row_transfers, sums, transfers};
 use crate::prepared::PreparedCaster;
 use crate::tracer::RaySample;
 
@@ -54,7 +54,7 @@ fn sets() -> impl Strategy<Value = PointSet> {
 fn drawn(caster: &RayCaster, scene: &Scene, view: &View) -> Option<Vec<RaySample>> {
     let control = Control::default();
     let prepared = PreparedCaster::new(caster.clone(), scene, &control).unwrap();
-    if !matches!(prepared.engine, Engine::Points(..)) {
+    if !matches!(prepared.engine, Engine::Points(..) | Engine::PointPicks(..)) {
         return None;
     }
     let layer = scene.layer(view, &control).unwrap();
@@ -106,6 +106,34 @@ proptest! {
         let want = plain(&caster, &scene, &view);
         let room = if turns { turned_by_moving(&caster, &scene, &view, &want) } else { 0.0 };
         same(&values, &want, tolerance + room)?;
+        for vector in [Vector::Avx2, Vector::Baseline] {
+            let other = drawn(&RayCaster { vector, ..caster.clone() }, &scene, &view).unwrap();
+            prop_assert_eq!(bits(&other), bits(&values), "{:?}", vector);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn picks_what_the_plain_engine_picks(points in sets(), compositing in picks(), angles in (-180.0f64..180.0, -80.0f64..80.0, prop::option::of(20.0f64..90.0)), size in (1u32..13, 1u32..10), step in 0.2f64..2.5, left in any::<bool>(), shade in any::<bool>()) {
+        let shading = shade.then(|| Arc::new(Shading::default()));
+        let (turns, is_colored) = (points.mixing() == PointMixing::Mean, points.colors().is_some());
+        let ramp = vec![ControlPoint::new(0.0, [0.0, 0.2, 1.0], 0.0), ControlPoint::new(1.0, [1.0, 0.7, 0.2], 1.0)];
+        let ramp = TransferFunction::new(ramp, OpacityRule::Power, 1.0).unwrap();
+        let scene = Scene { compositing, shading, ..Scene::new(points.into(), ramp) };
+        let view = View::new(Camera::framing(scene.volume.bounds(), angles.0, angles.1, angles.2), [size.0, size.1]);
+        let rule = if left { Rule::Left } else { Rule::Midpoint };
+        let caster = RayCaster { rule, ..RayCaster::uniform(step) };
+        let values = drawn(&caster, &scene, &view).expect("packets draw it");
+        let want = plain(&caster, &scene, &view);
+        let room = if turns { turned_by_moving(&caster, &scene, &view, &want) } else { 0.0 };
+        let is_lit = shade && matches!(compositing, Compositing::First { .. });
+        let tolerance = if is_lit { TWO_SHADINGS } else { TWO_ENGINES };
+        // Which of two samples is the extreme one may be rounding's choice, and their colours differ.
+        let with_colors = !is_colored || matches!(compositing, Compositing::Average | Compositing::First { .. });
+        same_picks(values.iter().map(|value| value.rgba), &want, (compositing, with_colors), tolerance + room)?;
         for vector in [Vector::Avx2, Vector::Baseline] {
             let other = drawn(&RayCaster { vector, ..caster.clone() }, &scene, &view).unwrap();
             prop_assert_eq!(bits(&other), bits(&values), "{:?}", vector);
