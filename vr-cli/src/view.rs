@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use vr_core::Control;
-use vr_io::{LoadedVolume, SceneFile};
+use vr_io::{FileName, LoadedVolume, SceneFile};
 use vr_view::server::Server;
-use vr_view::session::{Document, PROVEN, RendererList, Subject};
+use vr_view::session::{Document, LabelFiles, Labels, PROVEN, RendererList, Subject};
 
 use crate::args::ViewArgs;
 use crate::browser;
@@ -54,11 +54,16 @@ fn subject(setup: &Setup, args: &ViewArgs, console: Console) -> Result<Subject, 
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let file: SceneFile = setup.complete_file(&stated).with_paths(|path| absolute(&setup.path_of(path)).into());
     let volume = setup.unlabelled.volume.clone();
+    let labels = setup.file.labels.as_ref().map_or_else(Labels::default, |section| {
+        let of = |name: &FileName| absolute(&setup.path_of(name.as_ref()));
+        LabelFiles { file: of(&section.file), names: section.names.as_ref().map(of) }.into()
+    });
     Ok(Subject {
         file,
         volume: LoadedVolume { volume, info: setup.info.clone(), transfer: None, notes: Vec::new() },
         mesh: setup.mesh.clone(),
         title: setup.title.clone(),
         notes: setup.notes.clone(),
+        labels,
     })
 }

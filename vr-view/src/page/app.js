@@ -9,6 +9,7 @@ import { Marks } from "./marks.js";
 import { Panels } from "./panels.js";
 import { PictureView } from "./picture.js";
 import { RayPanel } from "./ray.js";
+import { Slices } from "./slices.js";
 import { Status } from "./status.js";
 
 const byId = (id) => document.getElementById(id);
@@ -47,6 +48,7 @@ const errorMap = new ErrorMap({ canvas: byId("errors"), rests, opened: () => cur
 const curtain = new Curtain({ canvas: byId("second"), rests, opened: () => errorMap.on && errorMap.toggle() });
 const ray = new RayPanel({ picture, rests });
 const questions = [errorMap, ray, curtain];
+const slices = new Slices({ windows: () => tool === "window", moved: () => redraw() });
 
 new Hands(canvas, { send, tool: () => tool, windowed, hovered: () => {}, asked: (place) => ray.open(place) });
 
@@ -69,6 +71,7 @@ const connection = new Connection({
     marks.opened = opened;
     curve.open(opened);
     panels.open(opened);
+    slices.open(opened);
     redraw();
   },
   state({ state }) {
@@ -93,7 +96,7 @@ const connection = new Connection({
 
 function redraw() {
   ray.mark();
-  if (picture.head) marks.draw(picture.head.camera, canvas.clientHeight);
+  if (picture.head) marks.draw(picture.head.camera, canvas.clientHeight, slices.shown);
 }
 
 /** True if no better picture of this scene is to come. */
@@ -161,6 +164,7 @@ window.addEventListener("keydown", (event) => {
     e: () => errorMap.toggle(),
     c: () => curtain.toggle(),
     i: () => ray.open([0, 0]),
+    s: () => slices.toggle(),
     p: () => togglePanel(),
     "?": () => byId("help").showModal(),
   };
@@ -170,4 +174,4 @@ window.addEventListener("keydown", (event) => {
 window.addEventListener("resize", redraw);
 
 // For tests and for the curious: what is on the screen, and how fast it came.
-window.vr = { status, picture, curve, errorMap, ray, curtain, send, get rests() { return rests(); } };
+window.vr = { status, picture, curve, errorMap, ray, curtain, slices, marks, send, get rests() { return rests(); } };

@@ -8,6 +8,7 @@ mod hub;
 mod message;
 mod page;
 mod rate;
+mod slices;
 mod socket;
 mod token;
 mod truth;
@@ -116,6 +117,7 @@ impl Server {
             next_client: Arc::new(AtomicU64::new(1)),
             opened: Arc::default(),
             exports: Arc::new(Semaphore::new(1)),
+            slices: Arc::new(Semaphore::new(1)),
             end: Arc::new(end),
         };
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
@@ -150,6 +152,8 @@ struct Service {
     opened: Arc<OnceCell<Opened>>,
     /// One picture at a time is drawn to be saved, or to be compared.
     exports: Arc<Semaphore>,
+    /// One slice at a time is sampled: it takes milliseconds.
+    slices: Arc<Semaphore>,
     end: Arc<watch::Sender<bool>>,
 }
 
@@ -202,6 +206,8 @@ fn router(service: Service) -> Router {
         .route("/{token}/truth/error-map", get(truth::error_map))
         .route("/{token}/truth/ray", get(truth::ray))
         .route("/{token}/truth/second", get(truth::second))
+        .route("/{token}/slice", get(slices::slice))
+        .route("/{token}/place", get(slices::place))
         .route("/{token}/{name}", get(page::file))
         .layer(guarded)
         .with_state(service)

@@ -34,6 +34,8 @@ files! {
     "error_map.js": JS,
     "ray.js": JS,
     "curtain.js": JS,
+    "slices.js": JS,
+    "slice_view.js": JS,
 }
 
 /// Answers with the page itself.

@@ -41,7 +41,7 @@ pub async fn second(State(service): State<Service>, Query(setting): Query<Settin
 }
 
 /// An answer in JSON.
-fn json<T: Serialize>(found: T) -> Response {
+pub fn json<T: Serialize>(found: T) -> Response {
     let text = serde_json::to_string(&found).expect("words and numbers have texts");
     ([(CONTENT_TYPE, "application/json")], text).into_response()
 }
@@ -56,10 +56,15 @@ async fn answer<T: Send + 'static>(
     let session = Arc::clone(&service.session);
     match tokio::task::spawn_blocking(move || question(&session)).await {
         Ok(Ok(found)) => encode(found),
-        Ok(Err(TruthError::Render(RenderError::Cancelled))) => {
-            (StatusCode::CONFLICT, "the scene has changed\n").into_response()
-        }
-        Ok(Err(e)) => (StatusCode::UNPROCESSABLE_ENTITY, format!("{e}\n")).into_response(),
+        Ok(Err(e)) => refusal(&e),
         Err(_) => (StatusCode::INTERNAL_SERVER_ERROR, "drawing has failed\n").into_response(),
+    }
+}
+
+/// The answer in words to a question that has none.
+pub fn refusal(error: &TruthError) -> Response {
+    match error {
+        TruthError::Render(RenderError::Cancelled) => (StatusCode::CONFLICT, "the scene has changed\n").into_response(),
+        e => (StatusCode::UNPROCESSABLE_ENTITY, format!("{e}\n")).into_response(),
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
-use vr_core::{Camera, Options, Projection, RenderError, Renderer, Scene, Surfaces, View};
+use vr_core::{Camera, Options, Projection, RenderError, Renderer, Scene, Surfaces, View, Volume};
 use vr_io::{CameraSection, CompositingName, LoadedScene, RenderSection, SceneFile, TransferSection, USUAL_FOV};
 use vr_look::{Survey, fit};
 use vr_mesh::Surface;
@@ -46,6 +46,8 @@ pub struct Document {
     /// The scene file, complete but for camera and size, which [`Self::view`] has.
     file: SceneFile,
     scene: Scene,
+    /// The volume without labels.
+    values: Volume,
     view: View,
     /// Camera and shape of the picture that the scene was opened with.
     first: (Camera, f64),
@@ -75,13 +77,14 @@ impl Document {
     /// A scene that cannot be made, or that its renderer does not draw.
     pub fn new(subject: Arc<Subject>, renderers: Arc<RendererList>) -> Result<Self, EditError> {
         let mut file = subject.file.clone();
-        let LoadedScene { scene, view, .. } = resolved(&subject, &file)?;
+        let LoadedScene { scene, view, unlabelled, .. } = resolved(&subject, &file)?;
         if file.render.renderer.is_none() {
             file.render.renderer = Some((renderers.usual)(&scene).to_owned());
         }
         let document = Self {
             first: (view.camera, view.aspect()),
             scene: with_surfaces(&subject, scene),
+            values: unlabelled.volume,
             subject,
             renderers,
             file,
@@ -99,6 +102,11 @@ impl Document {
     /// The scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// The volume as slices show it: under the scene's filter, and without the codes that labels make of its values.
+    pub fn values(&self) -> &Volume {
+        &self.values
     }
 
     /// The view of the picture at rest.
@@ -433,19 +441,19 @@ impl Document {
         };
         let view = View { clip: file.clip.clone(), ..self.view.clone() };
         view.validate()?;
-        let scene = if change == Change::Scene {
+        let (scene, values) = if change == Change::Scene {
             let loaded = resolved(&self.subject, &file)?;
             let info = self.subject.volume.info.as_ref();
             file = file.completed(&loaded.unlabelled, loaded.labels.clone(), &view, info);
-            with_surfaces(&self.subject, loaded.scene)
+            (with_surfaces(&self.subject, loaded.scene), loaded.unlabelled.volume)
         } else {
-            self.scene.clone()
+            (self.scene.clone(), self.values.clone())
         };
         self.renderer(&file.render, None)?.supports(&scene, Some(&view))?;
         self.file = file;
         self.view = view;
         if change == Change::Scene {
-            self.scene = scene;
+            (self.scene, self.values) = (scene, values);
             self.scene_revision += 1;
         }
         if change != Change::Renderer {

@@ -6,6 +6,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use glam::DVec3;
 use vr_core::{Control, Frame, Model, Prepared, RenderError, Renderer, Scene, View};
 use vr_physics::metrics::subgrid;
 use vr_study::reference::ReferencePixels;
@@ -20,7 +21,9 @@ use super::pace::Pace;
 use super::picture::{COMPARED, ClientId, Head, Orientation, Picture, PictureError, Stage};
 use super::ray_plot::RayPlot;
 use super::second::{SecondPicture, Setting};
+use super::slice::{Place, Slice, SliceQuery};
 use super::upsampled::rmse_upsampled;
+use super::value_at::value_at;
 
 /// Time without an edit after which the picture is at rest.
 const REST: Duration = Duration::from_millis(100);
@@ -67,6 +70,8 @@ struct Desk {
     stale: Option<Arc<AtomicBool>>,
     /// Cancel flags of answers in the making, which an edit makes stale, too.
     asked: Vec<Arc<AtomicBool>>,
+    /// Cancel flags of slices in the making, which moves and looks leave as they are.
+    sliced: Vec<Arc<AtomicBool>>,
     /// Cancel flag of any work.
     working: Option<Arc<AtomicBool>>,
     ended: bool,
@@ -82,6 +87,11 @@ impl Desk {
     /// Cancels every answer in the making.
     fn give_up_answers(&mut self) {
         self.asked.drain(..).for_each(|flag| flag.store(true, Ordering::Relaxed));
+    }
+
+    /// Cancels every slice in the making.
+    fn give_up_slices(&mut self) {
+        self.sliced.drain(..).for_each(|flag| flag.store(true, Ordering::Relaxed));
     }
 }
 
@@ -102,6 +112,7 @@ impl Session {
             answers: BTreeMap::new(),
             stale: None,
             asked: Vec::new(),
+            sliced: Vec::new(),
             working: None,
             ended: false,
         };
@@ -205,6 +216,42 @@ impl Session {
         )
     }
 
+    /// Samples the scene's volume on a plane, on the caller's thread: it waits for none of the pictures. The control's flag cancels it, and so does the end
+    /// of the session.
+    ///
+    /// # Errors
+    /// A slice that makes no sense, labels that cannot be read, or [`RenderError::Cancelled`].
+    pub fn slice(&self, query: &SliceQuery, control: &Control) -> Result<Slice, TruthError> {
+        let flag = control.cancel_flag();
+        let (subject, volume) = {
+            let mut desk = self.shared.desk();
+            if desk.ended {
+                return Err(RenderError::Cancelled.into());
+            }
+            desk.sliced.push(Arc::clone(&flag));
+            (Arc::clone(desk.document.subject()), desk.document.values().clone())
+        };
+        let made = control.cancellable(|| {
+            let labels = subject.label_looks()?;
+            Ok(Slice::of(&volume, labels, subject.is_patient(), query, control)?)
+        });
+        self.shared.desk().sliced.retain(|sliced| !Arc::ptr_eq(sliced, &flag));
+        made.unwrap_or_else(|stopped| Err(RenderError::from(stopped).into()))
+    }
+
+    /// The value, and the label, at a world position.
+    ///
+    /// # Errors
+    /// Labels that cannot be read.
+    pub fn place(&self, at: DVec3) -> Result<Place, TruthError> {
+        let (subject, volume) = {
+            let desk = self.shared.desk();
+            (Arc::clone(desk.document.subject()), desk.document.values().clone())
+        };
+        let label = subject.label_looks()?.and_then(|looks| looks.at(at)).cloned();
+        Ok(Place { at, value: value_at(&volume, at), label })
+    }
+
     /// Asks a question of the scene, the view and a renderer of the document, which the next edit cancels.
     fn at_rest<R: Send, T: Send>(
         &self,
@@ -236,6 +283,7 @@ impl Session {
         let mut desk = self.shared.desk();
         desk.ended = true;
         desk.give_up_answers();
+        desk.give_up_slices();
         if let Some(flag) = &desk.working {
             flag.store(true, Ordering::Relaxed);
         }

@@ -8,15 +8,21 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use glam::DVec3;
 use tungstenite::client::IntoClientRequest;
 use tungstenite::protocol::WebSocket;
-use vr_core::{Control, Frame, StudiedRenderer};
-use vr_io::{LoadedScene, SceneFile, VolumeSource};
+use vr_core::amr::{AmrBlock, AmrCentring, AmrGrid};
+use vr_core::rectilinear::Centering;
+use vr_core::{
+    Calibration, CellMesh, Control, Filter, Frame, GridVolume, Placement, PointKernel, PointSet, RectilinearGrid,
+    StudiedRenderer, UniformGrid, Volume,
+};
+use vr_io::{LoadedScene, LoadedVolume, SceneFile, VolumeSource};
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
 use vr_study::stated::StatedRenderer;
 use vr_view::server::{Server, ServerError};
-use vr_view::session::{Document, Output, PROVEN, Picture, RendererList, Session, Stage, Subject};
+use vr_view::session::{Document, Labels, Output, PROVEN, Picture, RendererList, Session, Stage, Subject};
 
 /// Time after which a test gives up: many times what anything here takes.
 pub const PATIENCE: Duration = Duration::from_secs(60);
@@ -30,13 +36,64 @@ pub fn renderers() -> RendererList {
 pub fn phantom(name: &str, size: usize, pixels: [u32; 2]) -> Subject {
     let mut file = SceneFile::default();
     file.volume.source = Some(VolumeSource::Phantom { name: name.to_owned(), size: Some(size) });
-    file.image.size = pixels;
     let volume = vr_io::load_volume(&file.volume, Path::new("")).unwrap();
+    let mut subject = around(file, volume, pixels);
+    (subject.title, subject.notes) = (format!("phantom {name}"), vec!["a note".to_owned()]);
+    subject
+}
+
+/// A volume from no file, drawn likewise.
+pub fn subject_of(volume: Volume, pixels: [u32; 2]) -> Subject {
+    let volume = LoadedVolume { volume, info: None, transfer: None, notes: Vec::new() };
+    around(SceneFile::default(), volume, pixels)
+}
+
+/// The subject of a scene file around its volume.
+fn around(mut file: SceneFile, volume: LoadedVolume, pixels: [u32; 2]) -> Subject {
+    file.image.size = pixels;
     let loaded = vr_io::resolve_scene_around(&file, Path::new(""), volume.clone()).unwrap();
     let stated = StatedRenderer::of(&RayCaster::default(), Some(PROVEN));
     let file = file.completed(&loaded.unlabelled, None, &loaded.view, None);
     let file = file.drawn_by(&stated.name, stated.options, stated.max_error);
-    Subject { file, volume, mesh: None, title: format!("phantom {name}"), notes: vec!["a note".to_owned()] }
+    Subject { file, volume, mesh: None, title: String::new(), notes: Vec::new(), labels: Labels::default() }
+}
+
+pub fn of_volume(volume: Volume, pixels: [u32; 2]) -> Document {
+    Document::new(Arc::new(subject_of(volume, pixels)), Arc::new(renderers())).unwrap()
+}
+
+/// A volume of every kind.
+pub fn kinds() -> Vec<(&'static str, Volume)> {
+    let grid = |spacing: [f64; 3], n: usize| {
+        let wave =
+            |i: usize| (0.7 * (i % n) as f64).sin() + (0.4 * (i / n % n) as f64).cos() - 0.1 * (i / n / n) as f64;
+        let voxels: Vec<f32> = (0..n * n * n).map(|i| wave(i) as f32).collect();
+        let placement = Placement::from_spacing(spacing).unwrap();
+        UniformGrid::new([n; 3], voxels, placement, Calibration { slope: 3.0, intercept: 1.0 }).unwrap()
+    };
+    let mesh = CellMesh::of_grid(&GridVolume::new(grid([1.0; 3], 5).into(), Filter::Trilinear)).unwrap();
+    let positions: Vec<DVec3> =
+        (0..60).map(|i| DVec3::new((i % 4) as f64, (i / 4 % 4) as f64, (i / 16) as f64)).collect();
+    let values = (0..60).map(|i| 1.0 + (i % 7) as f32).collect();
+    let points = PointSet::new(positions, vec![1.1; 60], vec![1.0; 60], values, PointKernel::CubicSpline).unwrap();
+    let axes = [vec![0.0, 1.0, 3.0, 4.0], vec![0.0, 0.5, 2.0], vec![0.0, 2.0, 3.0]];
+    let uneven = RectilinearGrid::new(axes, (0..36).map(|i| (i * i % 11) as f32).collect(), Centering::Points).unwrap();
+    let block = |level, first, dims: [usize; 3]| AmrBlock {
+        level,
+        first,
+        dims,
+        values: (0..dims.iter().product()).map(|i: usize| (i * 7 % 13) as f32).collect(),
+    };
+    let blocks = vec![block(0, [0; 3], [4; 3]), block(1, [0; 3], [4, 8, 8])];
+    let amr = AmrGrid::new(DVec3::ZERO, DVec3::ONE, vec![[2; 3]], blocks, AmrCentring::Cells).unwrap();
+    vec![
+        ("grid", grid([1.0; 3], 12).into()),
+        ("uneven grid", grid([1.0, 2.0, 3.0], 8).into()),
+        ("points", points.into()),
+        ("mesh of cells", mesh.into()),
+        ("rectilinear grid", uneven.into()),
+        ("adaptive grid", amr.into()),
+    ]
 }
 
 pub fn document(name: &str, size: usize, pixels: [u32; 2]) -> Document {

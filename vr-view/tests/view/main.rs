@@ -5,3 +5,4 @@ mod document;
 mod hostile;
 mod serving;
 mod session;
+mod slices;
