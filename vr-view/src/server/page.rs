@@ -36,6 +36,8 @@ files! {
     "curtain.js": JS,
     "slices.js": JS,
     "slice_view.js": JS,
+    "open.js": JS,
+    "pick.js": JS,
 }
 
 /// Answers with the page itself.

@@ -56,3 +56,21 @@ pub async fn place(State(service): State<Service>, Query(PlaceQuery { x, y, z })
         Err(_) => (StatusCode::INTERNAL_SERVER_ERROR, "asking has failed\n").into_response(),
     }
 }
+
+/// Place in the picture, in heights of it to the right of and above its middle.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PickQuery {
+    x: f64,
+    y: f64,
+}
+
+/// Answers with what is seen at a place in the picture; `null` where nothing is.
+pub async fn pick(State(service): State<Service>, Query(PickQuery { x, y }): Query<PickQuery>) -> Response {
+    let session = Arc::clone(&service.session);
+    match tokio::task::spawn_blocking(move || session.pick([x, y])).await {
+        Ok(Ok(pick)) => json(pick),
+        Ok(Err(e)) => refusal(&e),
+        Err(_) => (StatusCode::INTERNAL_SERVER_ERROR, "asking has failed\n").into_response(),
+    }
+}

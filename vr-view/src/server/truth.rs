@@ -11,7 +11,7 @@ use vr_core::RenderError;
 
 use super::Service;
 use super::message::second_picture_bytes;
-use crate::session::{Session, Setting, TruthError};
+use crate::session::{Quality, Session, Setting, TruthError};
 
 /// Answers with the error map.
 pub async fn error_map(State(service): State<Service>) -> Response {
@@ -24,11 +24,20 @@ pub async fn error_map(State(service): State<Service>) -> Response {
 pub struct PixelQuery {
     x: u32,
     y: u32,
+    /// Renderer of the second picture, where the pixel is one of that.
+    renderer: Option<String>,
+    /// Its quality.
+    quality: Option<Quality>,
 }
 
 /// Answers with the plot of a pixel's ray.
-pub async fn ray(State(service): State<Service>, Query(PixelQuery { x, y }): Query<PixelQuery>) -> Response {
-    answer(service, move |session| session.ray([x, y]), json).await
+pub async fn ray(State(service): State<Service>, Query(query): Query<PixelQuery>) -> Response {
+    let PixelQuery { x, y, renderer, quality } = query;
+    let ask = move |session: &Session| match renderer {
+        Some(renderer) => session.ray_of([x, y], &Setting { renderer, quality }),
+        None => session.ray([x, y]),
+    };
+    answer(service, ask, json).await
 }
 
 /// Answers with the picture of a second setting.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use serde::Serialize;
 use vr_core::transfer::Preset;
-use vr_core::{Clip, Scene, Volume};
+use vr_core::{Clip, Field, Scene, Volume};
 use vr_io::{FileInfo, RenderSection, ShadingSection, TransferSection};
 use vr_look::{Hints, Histogram, Survey};
 
@@ -18,6 +18,8 @@ const BINS: usize = 256;
 /// All of a subject that edits do not change.
 #[derive(Clone, Debug, Serialize)]
 pub struct Opened {
+    /// Number of volumes that were opened before.
+    pub volume: u64,
     /// The volume in a few words.
     pub title: String,
     /// Notes on everything assumed, one line each.
@@ -38,6 +40,8 @@ pub struct Opened {
     pub spacing: f64,
     /// World lengths along x, y and z between voxels: the steps from slice to slice.
     pub steps: DVec3,
+    /// True if the volume has gradients, so that opacity can follow their magnitude.
+    pub has_gradient: bool,
 }
 
 /// A preset.
@@ -53,7 +57,7 @@ pub struct PresetName {
 
 impl Opened {
     /// Describes a subject; `scene` is the one around it.
-    pub(super) fn of(subject: &Subject, scene: &Scene) -> Self {
+    pub(super) fn of(subject: &Subject, scene: &Scene, revision: u64) -> Self {
         let volume = &scene.volume;
         let info = subject.volume.info.as_ref();
         let (low, high) = volume.value_range().unwrap_or((0.0, 1.0));
@@ -70,6 +74,7 @@ impl Opened {
         let others = Preset::ALL.iter().filter(|preset| !suitable.contains(preset));
         let named = |preset: &Preset, suits| PresetName { name: preset.name(), title: preset.title(), suits };
         Self {
+            volume: revision,
             title: subject.title.clone(),
             notes: subject.notes.clone(),
             bounds: [low_corner, high_corner],
@@ -80,6 +85,7 @@ impl Opened {
             presets: suitable.iter().map(|p| named(p, true)).chain(others.map(|p| named(p, false))).collect(),
             spacing: volume.mean_spacing(),
             steps: steps(volume),
+            has_gradient: volume.field().is_none_or(Field::has_gradient),
         }
     }
 }

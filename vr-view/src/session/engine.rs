@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use vr_core::{Control, Frame, Model, Prepared, RenderError, Renderer, Scene, View};
+use vr_look::Survey;
 use vr_physics::metrics::subgrid;
 use vr_study::reference::ReferencePixels;
 
@@ -18,10 +19,12 @@ use super::error::{EditError, TruthError};
 use super::error_map::ErrorMap;
 use super::export::{Export, ExportError};
 use super::pace::Pace;
+use super::pick::Pick;
 use super::picture::{COMPARED, ClientId, Head, Orientation, Picture, PictureError, Stage};
 use super::ray_plot::RayPlot;
 use super::second::{SecondPicture, Setting};
 use super::slice::{Place, Slice, SliceQuery};
+use super::subject::Subject;
 use super::upsampled::rmse_upsampled;
 use super::value_at::value_at;
 
@@ -42,6 +45,8 @@ pub enum Output {
     },
     /// The scene after a change.
     State(Arc<State>),
+    /// Another volume is shown: [`Session::opened`] describes it.
+    Volume,
     /// The reason why there is no picture.
     Problem(String),
 }
@@ -128,12 +133,50 @@ impl Session {
     /// # Errors
     /// The reason why nothing was changed.
     pub fn apply(&self, client: ClientId, number: u64, edit: &Edit) -> Result<(), EditError> {
+        if edit.needs_survey() {
+            self.survey();
+        }
         let mut desk = self.shared.desk();
         let outcome = desk.document.apply(edit);
         desk.answers.insert(client, number);
         let change = outcome?;
+        // A move is told by the next picture.
+        let tells =
+            change > Change::View || matches!(edit, Edit::Crop { .. } | Edit::Planes { .. } | Edit::Undo | Edit::Redo);
+        self.changed(desk, change, Some((client, number)), tells);
+        Ok(())
+    }
+
+    /// Shows another volume in place of the one that is there, and keeps of its look what suits it; that can be undone. The volume before is kept in memory
+    /// until a third one is opened.
+    ///
+    /// # Errors
+    /// A scene that cannot be made, or that none of the renderers draws: nothing is changed.
+    pub fn open(&self, subject: Subject) -> Result<(), EditError> {
+        // Counting takes a while, and needs no lock.
+        self.control.run(|| Survey::of(&subject.volume.volume));
+        let mut desk = self.shared.desk();
+        let change = desk.document.open(Arc::new(subject))?;
+        self.changed(desk, change, None, true);
+        Ok(())
+    }
+
+    /// Makes the survey that an edit asks for before the scene is locked, so that pictures and other edits go on meanwhile.
+    fn survey(&self) {
+        let volumes = {
+            let desk = self.shared.desk();
+            [desk.document.scene().volume.clone(), desk.document.values().clone()]
+        };
+        // A volume that keeps nothing would be surveyed again.
+        for volume in volumes.iter().filter(|volume| volume.derived().is_some()) {
+            self.control.run(|| Survey::of(volume));
+        }
+    }
+
+    /// Cancels what a change makes stale, and tells of it.
+    fn changed(&self, mut desk: MutexGuard<'_, Desk>, change: Change, by: Option<(ClientId, u64)>, tells: bool) {
         if change == Change::Nothing {
-            return Ok(());
+            return;
         }
         desk.revision += 1;
         desk.last_edit = Instant::now();
@@ -141,16 +184,27 @@ impl Session {
             flag.store(true, Ordering::Relaxed);
         }
         desk.give_up_answers();
-        // A move is told by the next picture.
-        let tells =
-            change > Change::View || matches!(edit, Edit::Crop { .. } | Edit::Planes { .. } | Edit::Undo | Edit::Redo);
-        let state = tells.then(|| Arc::new(State::of(&desk.document, Some((client, number)))));
+        if change == Change::Volume {
+            desk.give_up_slices();
+            // A draft of the volume before is nothing to look at.
+            if let Some(flag) = &desk.working {
+                flag.store(true, Ordering::Relaxed);
+            }
+        }
+        let state = tells.then(|| Arc::new(State::of(&desk.document, by)));
         drop(desk);
         self.shared.wake.notify_one();
+        if change == Change::Volume {
+            (self.shared.tell)(Output::Volume);
+        }
         if let Some(state) = state {
             (self.shared.tell)(Output::State(state));
         }
-        Ok(())
+    }
+
+    /// Number of times that another volume was opened so far.
+    pub fn volume_revision(&self) -> u64 {
+        self.shared.desk().document.volume_revision()
     }
 
     /// Forgets the edits of a client that has gone.
@@ -166,11 +220,12 @@ impl Session {
     /// Describes the scene as it was opened: all that edits do not change.
     pub fn opened(&self) -> Opened {
         // Counting voxels takes a while, and needs no lock.
-        let (subject, scene) = {
+        let (subject, scene, revision) = {
             let desk = self.shared.desk();
-            (Arc::clone(desk.document.subject()), desk.document.scene().clone())
+            let d = &desk.document;
+            (Arc::clone(d.subject()), d.scene().clone(), d.volume_revision())
         };
-        self.control.run(|| Opened::of(&subject, &scene))
+        self.control.run(|| Opened::of(&subject, &scene, revision))
     }
 
     /// Makes a file of the scene as it is, or of its picture at rest.
@@ -202,6 +257,30 @@ impl Session {
     /// A pixel that the picture does not have, a picture that cannot be drawn, a scene that has no reference, or [`RenderError::Cancelled`].
     pub fn ray(&self, pixel: [u32; 2]) -> Result<RayPlot, TruthError> {
         self.at_rest(best, |around, renderer, control| RayPlot::of(around, pixel, &*renderer, control))
+    }
+
+    /// The same by a second setting, as [`Self::second`] draws it.
+    ///
+    /// # Errors
+    /// Those of [`Self::ray`]; a setting that no renderer has.
+    pub fn ray_of(&self, pixel: [u32; 2], setting: &Setting) -> Result<RayPlot, TruthError> {
+        self.at_rest(
+            |document| document.second(setting).map(|(renderer, _)| renderer),
+            |around, renderer, control| RayPlot::of(around, pixel, &*renderer, control),
+        )
+    }
+
+    /// Finds what is seen at a place in the picture: `None` where nothing is. On the caller's thread: it waits for none of the pictures.
+    ///
+    /// # Errors
+    /// A place that is not finite, or a view without rays.
+    pub fn pick(&self, place: [f64; 2]) -> Result<Option<Pick>, TruthError> {
+        let (scene, values, view) = {
+            let desk = self.shared.desk();
+            let d = &desk.document;
+            (d.scene().clone(), d.values().clone(), d.view().clone())
+        };
+        Ok(Pick::of((&scene, &values), &view, place).map_err(RenderError::from)?)
     }
 
     /// Draws scene and view by a second setting, and measures its error as that of the first picture. The next edit, and the end of the
@@ -581,7 +660,12 @@ fn job(desk: &mut Desk, (stage, size): (Stage, [u32; 2])) -> Result<Job, EditErr
         renderer,
         full_size: document.view().size,
         bound,
-        setting: format!("{} {:?} {bound:?}", document.renderer_name(), file.render.options),
+        setting: format!(
+            "{} {} {:?} {bound:?}",
+            document.volume_revision(),
+            document.renderer_name(),
+            file.render.options
+        ),
         answers: desk.answers.clone(),
         control,
     })

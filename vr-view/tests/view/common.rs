@@ -1,5 +1,6 @@
 //! Scenes, sessions and clients of the tests.
 
+use std::error::Error;
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
@@ -17,11 +18,11 @@ use vr_core::{
     Calibration, CellMesh, Control, Filter, Frame, GridVolume, Placement, PointKernel, PointSet, RectilinearGrid,
     StudiedRenderer, UniformGrid, Volume,
 };
-use vr_io::{LoadedScene, LoadedVolume, SceneFile, VolumeSource};
+use vr_io::{FileSource, LoadedScene, LoadedVolume, SceneFile, VolumeSource};
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
 use vr_study::stated::StatedRenderer;
-use vr_view::server::{Server, ServerError};
+use vr_view::server::{Opening, Server, ServerError};
 use vr_view::session::{Document, Labels, Output, PROVEN, Picture, RendererList, Session, Stage, Subject};
 
 /// Time after which a test gives up: many times what anything here takes.
@@ -46,6 +47,23 @@ pub fn phantom(name: &str, size: usize, pixels: [u32; 2]) -> Subject {
 pub fn subject_of(volume: Volume, pixels: [u32; 2]) -> Subject {
     let volume = LoadedVolume { volume, info: None, transfer: None, notes: Vec::new() };
     around(SceneFile::default(), volume, pixels)
+}
+
+/// Reads a file as `vr view` does; its title has the whole path.
+pub fn read(path: &Path) -> Result<Subject, Box<dyn Error + Send + Sync>> {
+    let mut file = SceneFile::default();
+    file.volume.source = Some(VolumeSource::File(FileSource { path: path.into(), ..FileSource::default() }));
+    let volume = vr_io::load_volume(&file.volume, Path::new(""))?;
+    let subject = around(file, volume, [32, 24]);
+    Ok(Subject { title: path.display().to_string(), ..subject })
+}
+
+/// A grid as NRRD: 8×8×8 voxels of a sum of waves, all of them times a factor.
+pub fn nrrd(factor: f32) -> Vec<u8> {
+    let wave =
+        |i: usize| factor * ((0.9 * (i % 8) as f32).sin() + (0.7 * (i / 8 % 8) as f32).cos() + 0.1 * (i / 64) as f32);
+    let head = "NRRD0005\ntype: float\ndimension: 3\nsizes: 8 8 8\nspacings: 1 1 1\nendian: little\nencoding: raw\n\n";
+    head.bytes().chain((0..512).flat_map(|i| wave(i).to_le_bytes())).collect()
 }
 
 /// The subject of a scene file around its volume.
@@ -181,7 +199,16 @@ pub type Client = WebSocket<TcpStream>;
 
 impl Running {
     pub fn new(document: Document, stay: bool) -> Self {
-        let server = Server::bind(Server::USUAL).unwrap();
+        Self::serving(Server::bind(Server::USUAL).unwrap(), document, stay)
+    }
+
+    /// One that opens other files: below a folder, and of so many bytes from the page.
+    pub fn opening(document: Document, folder: Option<&Path>, max_upload: u64) -> Self {
+        let opening = Opening { folder: folder.map(Path::to_owned), max_upload, read: Box::new(read) };
+        Self::serving(Server::bind(Server::USUAL).unwrap().with_opening(opening).unwrap(), document, true)
+    }
+
+    fn serving(server: Server, document: Document, stay: bool) -> Self {
         let url = server.url();
         let rest = url.strip_prefix("http://").unwrap();
         let (address, token) = rest.split_once('/').unwrap();
@@ -193,9 +220,16 @@ impl Running {
 
     /// Sends the lines of a request as they are, and reads all of the answer.
     pub fn request(&self, lines: &str) -> Answer {
+        self.request_with(lines, &[])
+    }
+
+    /// The same with a body.
+    pub fn request_with(&self, lines: &str, body: &[u8]) -> Answer {
         let mut stream = TcpStream::connect(&self.address).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
         write!(stream, "{}\r\nConnection: close\r\n\r\n", lines.replace('\n', "\r\n")).unwrap();
+        // The server may answer before it has read all.
+        let _ = stream.write_all(body);
         let mut bytes = Vec::new();
         stream.read_to_end(&mut bytes).unwrap();
         let end = bytes.windows(4).position(|w| w == b"\r\n\r\n").expect("an answer has a head");
@@ -207,6 +241,15 @@ impl Running {
     /// A plain `GET` of a path after the token.
     pub fn get(&self, path: &str) -> Answer {
         self.request(&format!("GET /{}/{path} HTTP/1.1\nHost: {}", self.token, self.address))
+    }
+
+    /// A `POST` of bytes to a path after the token, as the page does it.
+    pub fn post(&self, path: &str, body: &[u8]) -> Answer {
+        let (token, address, length) = (&self.token, &self.address, body.len());
+        let lines = format!(
+            "POST /{token}/{path} HTTP/1.1\nHost: {address}\nOrigin: http://{address}\nContent-Length: {length}"
+        );
+        self.request_with(&lines, body)
     }
 
     /// Opens a socket from an origin.
