@@ -104,12 +104,12 @@ export class SliceView {
     this.caption.textContent = words.join(" · ");
   }
 
-  /** Asks for the slice through the crosshair, unless it is there. */
+  /** Asks for the slice through the crosshair, unless it is there; `always` where the volume is another one. */
   ask(always = false) {
     const at = this.owner.crosshair[this.axis];
     if (!always && this.wanted === at) return this.drawCross();
     this.wanted = at;
-    if (this.waits && performance.now() - this.waits.since < PATIENCE) return;
+    if (!always && this.waits && performance.now() - this.waits.since < PATIENCE) return;
     this.waits?.abort.abort();
     this.fetch();
   }
