@@ -430,7 +430,8 @@ impl Document {
         Ok(change)
     }
 
-    /// Shows another volume under the transfer function, the light, the background and the renderer that are chosen, as far as they suit it. The camera
+    /// Shows another volume under the transfer function, the light, the background and the renderer that are chosen, as far as they suit it: a curve
+    /// under which nothing is seen gives way to the volume's own look. The camera
     /// stays where both volumes take up the same room; elsewhere it looks the same way at all that is visible. Crop box and planes, which belong to a
     /// place, are taken away.
     ///
@@ -447,7 +448,11 @@ impl Document {
         own_look.image.clone_from(&self.file.image);
         let curve = SceneFile { transfer: self.file.transfer.clone(), ..own_look.clone() };
         // Keep as much as the volume takes: all, all but the renderer, the curve alone, or nothing.
-        let kept = [kept, looked, curve].into_iter();
+        // A curve under which nothing of it is seen is no look for it.
+        let is_seen = |file: &SceneFile| {
+            resolved(&subject, file).is_ok_and(|loaded| !visible(&subject, &loaded.scene, &own.clip).is_empty())
+        };
+        let kept = [kept, looked, curve].into_iter().filter(is_seen);
         let taken = kept.filter_map(|file| self.take_all(Arc::clone(&subject), file, None).ok()).next();
         let change = match taken {
             Some(change) => change,

@@ -56,5 +56,11 @@ pub enum TruthError {
     Render(#[from] RenderError),
     /// Labels that can no longer be read.
     #[error(transparent)]
-    Labels(#[from] FileError),
+    Labels(Box<FileError>),
+}
+
+impl From<FileError> for TruthError {
+    fn from(error: FileError) -> Self {
+        Self::Labels(Box::new(error))
+    }
 }

@@ -611,7 +611,7 @@ fn any_kind_of_volume_is_opened_from_the_page_and_undone() {
     let folder = tempfile::tempdir().unwrap();
     let names = small_files(folder.path());
     let running = Running::opening(document("blobs", 16, [64, 64]), Some(folder.path()), 1 << 20);
-    browser.open(&format!("http://{}/{}/", running.address, running.token), [1100, 640], "dark");
+    browser.open(&format!("http://{}/{}/", running.address, running.token), SIZE, "dark");
     rest(&mut browser);
     browser.wait("window.vr.open.listing?.files.length === 6");
     let title = |browser: &mut Browser| browser.value("document.getElementById('title').textContent");

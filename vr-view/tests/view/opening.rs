@@ -66,6 +66,11 @@ fn curve_light_and_camera_are_kept_and_undo_comes_back() {
     assert!(matches!(d.scene().volume, Volume::Amr(_)));
     assert!(matches!(d.apply(&Edit::Undo), Err(EditError::NoHistory(_))));
     assert!(first.upgrade().is_none(), "the volume is gone from memory");
+    // A curve under which nothing would be seen gives way to the volume's own look.
+    let beyond = vec![ControlPoint::new(1e6, [1.0; 3], 0.0), ControlPoint::new(2e6, [1.0; 3], 0.5)];
+    d.apply(&Edit::Transfer { points: beyond.clone() }).unwrap();
+    d.open(Arc::new(subject_of(kind("grid"), [40, 30]))).unwrap();
+    assert_ne!(d.scene().transfer.points(), &beyond[..]);
 }
 
 #[test]
