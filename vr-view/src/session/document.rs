@@ -449,9 +449,7 @@ impl Document {
         let curve = SceneFile { transfer: self.file.transfer.clone(), ..own_look.clone() };
         // Keep as much as the volume takes: all, all but the renderer, the curve alone, or nothing.
         // A curve under which nothing of it is seen is no look for it.
-        let is_seen = |file: &SceneFile| {
-            resolved(&subject, file).is_ok_and(|loaded| !visible(&subject, &loaded.scene, &own.clip).is_empty())
-        };
+        let is_seen = |file: &SceneFile| resolved(&subject, file).is_ok_and(|loaded| shows(&loaded.scene));
         let kept = [kept, looked, curve].into_iter().filter(is_seen);
         let taken = kept.filter_map(|file| self.take_all(Arc::clone(&subject), file, None).ok()).next();
         let change = match taken {
@@ -572,6 +570,20 @@ fn visible(subject: &Subject, scene: &Scene, clip: &Clip) -> Vec<DVec3> {
     let mut points = Survey::of(&scene.volume).visible(&scene.transfer, scene.compositing, clip);
     points.extend(subject.mesh.iter().flat_map(|(mesh, _)| mesh.positions().iter().copied()));
     points
+}
+
+/// True if some value between the volume's smallest and largest one is seen in a step as long as its spacing.
+fn shows(scene: &Scene) -> bool {
+    /// Values that are tried.
+    const VALUES: u32 = 1024;
+    /// Light or opacity of what is seen: four steps of 8 bits.
+    const FAINT: f64 = 4.0 / 255.0;
+    let Some((low, high)) = scene.volume.value_range().filter(|_| scene.compositing.integrates_light()) else {
+        return true;
+    };
+    let value = |i: u32| low + (high - low) * f64::from(i) / f64::from(VALUES);
+    let length = scene.volume.mean_spacing();
+    (0..=VALUES).any(|i| scene.transfer.step(value(i), length).iter().any(|&part| part > FAINT))
 }
 
 /// True if what two boxes have in common is most of either.
