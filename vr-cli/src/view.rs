@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use vr_core::Control;
-use vr_io::{LoadedVolume, SceneFile};
-use vr_view::server::Server;
-use vr_view::session::{Document, PROVEN, RendererList, Subject};
+use vr_io::{FileName, FileSource, LoadedVolume, SceneFile, VolumeSource};
+use vr_view::server::{Opening, Server};
+use vr_view::session::{Document, LabelFiles, Labels, PROVEN, RendererList, Subject};
 
-use crate::args::ViewArgs;
+use crate::args::{RendererArgs, ViewArgs};
 use crate::browser;
 use crate::console::Console;
 use crate::failure::Failure;
@@ -23,10 +23,16 @@ use crate::scene_setup::{Configured, Setup};
 pub fn run(args: &ViewArgs, console: Console, control: &Control) -> Result<(), Failure> {
     args.scene.image.check_opaque()?;
     // An address that is taken is said before gigabytes are read.
-    let server = Server::bind(args.page.listen).map_err(Failure::failed)?;
+    let opening = Opening {
+        folder: args.page.folder.clone(),
+        max_upload: args.page.max_upload,
+        read: Box::new(move |path| read(path, Console { quiet: true, ..console }).map_err(|e| e.to_string().into())),
+    };
+    let server = Server::bind(args.page.listen).and_then(|server| server.with_opening(opening));
+    let server = server.map_err(Failure::failed)?;
     let setup = Setup::for_renderer(&args.scene, &args.renderer, console)?;
     setup.note_unused_annotations(console);
-    let subject = Arc::new(subject(&setup, args, console)?);
+    let subject = Arc::new(subject(&setup, &args.renderer, console)?);
     let list = Arc::new(RendererList { all: renderers::all(), usual: renderers::usual });
     let document = Document::new(subject, list).map_err(Failure::failed)?;
 
@@ -44,21 +50,33 @@ pub fn run(args: &ViewArgs, console: Console, control: &Control) -> Result<(), F
     server.run(document, control, args.page.stay).map_err(Failure::failed)
 }
 
+/// Reads a volume that was chosen in the page, with the scene that suits it.
+fn read(path: &Path, console: Console) -> Result<Subject, Failure> {
+    let mut file = SceneFile::default();
+    file.volume.source = Some(VolumeSource::File(FileSource { path: path.into(), ..FileSource::default() }));
+    subject(&Setup::of_file(&file, console)?, &RendererArgs::default(), console)
+}
+
 /// Returns the scene to look at, with nothing left open. Its picture at rest is proven, unless something else is asked for.
-fn subject(setup: &Setup, args: &ViewArgs, console: Console) -> Result<Subject, Failure> {
-    let Configured { mut stated, max_error, options, .. } = setup.renderer(&args.renderer, console)?;
-    if max_error.is_none() && options.0.is_empty() && args.renderer.quality.is_none() {
+fn subject(setup: &Setup, args: &RendererArgs, console: Console) -> Result<Subject, Failure> {
+    let Configured { mut stated, max_error, options, .. } = setup.renderer(args, console)?;
+    if max_error.is_none() && options.0.is_empty() && args.quality.is_none() {
         // A renderer that cannot promise leaves it without effect.
         stated.max_error = Some(PROVEN);
     }
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let file: SceneFile = setup.complete_file(&stated).with_paths(|path| absolute(&setup.path_of(path)).into());
     let volume = setup.unlabelled.volume.clone();
+    let labels = setup.file.labels.as_ref().map_or_else(Labels::default, |section| {
+        let of = |name: &FileName| absolute(&setup.path_of(name.as_ref()));
+        LabelFiles { file: of(&section.file), names: section.names.as_ref().map(of) }.into()
+    });
     Ok(Subject {
         file,
         volume: LoadedVolume { volume, info: setup.info.clone(), transfer: None, notes: Vec::new() },
         mesh: setup.mesh.clone(),
         title: setup.title.clone(),
         notes: setup.notes.clone(),
+        labels,
     })
 }

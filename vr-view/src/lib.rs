@@ -12,7 +12,7 @@
 //! use vr_io::{SceneFile, VolumeSource};
 //! use vr_raycast::RayCaster;
 //! use vr_study::stated::StatedRenderer;
-//! use vr_view::session::{Document, Edit, Output, PROVEN, PictureError, RendererList, Session, Stage, Subject};
+//! use vr_view::session::{Document, Edit, Labels, Output, PROVEN, PictureError, RendererList, Session, Stage, Subject};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let mut file = SceneFile::default();
@@ -23,7 +23,7 @@
 //! let stated = StatedRenderer::of(&RayCaster::default(), Some(PROVEN));
 //! let file = file.completed(&loaded.unlabelled, None, &loaded.view, None);
 //! let file = file.drawn_by(&stated.name, stated.options, stated.max_error);
-//! let subject = Subject { file, volume, mesh: None, title: "blobs".to_owned(), notes: Vec::new() };
+//! let subject = Subject { file, volume, mesh: None, title: "blobs".to_owned(), notes: Vec::new(), labels: Labels::default() };
 //!
 //! let renderers = RendererList { all: vec![Box::new(RayCaster::default())], usual: |_| "raycast" };
 //! let document = Document::new(Arc::new(subject), Arc::new(renderers))?;

@@ -163,7 +163,7 @@ pub struct RenderArgs {
 }
 
 /// The renderer and its options.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Renderer")]
 pub struct RendererArgs {
     /// Renderer; if absent the scene file's, else raycast (splat for scattered points)

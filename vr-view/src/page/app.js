@@ -7,8 +7,11 @@ import { ErrorMap } from "./error_map.js";
 import { Hands } from "./hands.js";
 import { Marks } from "./marks.js";
 import { Panels } from "./panels.js";
+import { OpenPanel } from "./open.js";
+import { Pick } from "./pick.js";
 import { PictureView } from "./picture.js";
 import { RayPanel } from "./ray.js";
+import { Slices } from "./slices.js";
 import { Status } from "./status.js";
 
 const byId = (id) => document.getElementById(id);
@@ -45,10 +48,21 @@ function windowed(phase, dx, dy) {
 const errorMap = new ErrorMap({ canvas: byId("errors"), rests, opened: () => curtain.choose("", "") });
 // The map is that of the first picture, and would lie over the second.
 const curtain = new Curtain({ canvas: byId("second"), rests, opened: () => errorMap.on && errorMap.toggle() });
-const ray = new RayPanel({ picture, rests });
+const ray = new RayPanel({ picture, rests, second: (place) => curtain.settingAt(place) });
 const questions = [errorMap, ray, curtain];
+const slices = new Slices({ windows: () => tool === "window", moved: () => redraw() });
 
-new Hands(canvas, { send, tool: () => tool, windowed, hovered: () => {}, asked: (place) => ray.open(place) });
+const pick = new Pick({ marked: (value) => curve.mark(value) });
+const open = new OpenPanel({ failed: (text) => toast(text) });
+
+/** Asks a pixel; the crosshair of the slices goes to what is seen there. */
+async function asked(place) {
+  ray.open(place);
+  const found = slices.isOpen ? await pick.once(place) : null;
+  if (found) slices.moveTo(found.at);
+}
+
+new Hands(canvas, { send, tool: () => tool, windowed, hovered: (place) => pick.at(place), asked });
 
 const connection = new Connection({
   open() {
@@ -69,6 +83,7 @@ const connection = new Connection({
     marks.opened = opened;
     curve.open(opened);
     panels.open(opened);
+    slices.open(opened);
     redraw();
   },
   state({ state }) {
@@ -93,7 +108,7 @@ const connection = new Connection({
 
 function redraw() {
   ray.mark();
-  if (picture.head) marks.draw(picture.head.camera, canvas.clientHeight);
+  if (picture.head) marks.draw(picture.head.camera, canvas.clientHeight, slices.shown);
 }
 
 /** True if no better picture of this scene is to come. */
@@ -161,6 +176,7 @@ window.addEventListener("keydown", (event) => {
     e: () => errorMap.toggle(),
     c: () => curtain.toggle(),
     i: () => ray.open([0, 0]),
+    s: () => slices.toggle(),
     p: () => togglePanel(),
     "?": () => byId("help").showModal(),
   };
@@ -170,4 +186,4 @@ window.addEventListener("keydown", (event) => {
 window.addEventListener("resize", redraw);
 
 // For tests and for the curious: what is on the screen, and how fast it came.
-window.vr = { status, picture, curve, errorMap, ray, curtain, send, get rests() { return rests(); } };
+window.vr = { status, picture, curve, errorMap, ray, curtain, slices, marks, pick, open, send, get rests() { return rests(); } };

@@ -94,6 +94,13 @@ export class Curtain extends Question {
     for (const id of ["second", "divider", "first-label", "second-label"]) byId(id).hidden = hidden;
   }
 
+  /** The second picture's setting, where a place in heights from the middle lies on its side of the divider; null elsewhere. */
+  settingAt([x]) {
+    if (!this.setting || !this.found) return null;
+    const { clientWidth, clientHeight } = this.canvas;
+    return (x * clientHeight) / clientWidth + 0.5 >= this.split ? this.setting : null;
+  }
+
   shown(head) {
     this.first = head;
     super.shown(head);

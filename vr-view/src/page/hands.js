@@ -11,7 +11,7 @@ const KEY_MOVE = 0.05;
 export class Hands {
   /**
    * `send(edit)` sends; `tool()` is what a drag does; `windowed(phase, dx, dy)` takes drags of the tool `window`; `asked(place)` takes
-   * clicks with Alt, and those of the tool `ray`.
+   * clicks with Alt, and those of the tool `ray`; `hovered(place)` is told where the pointer is, or null.
    */
   constructor(element, { send, tool, windowed, hovered, asked }) {
     Object.assign(this, { element, send, tool, windowed, hovered, asked });
@@ -40,6 +40,7 @@ export class Hands {
     this.element.focus({ preventScroll: true });
     this.element.setPointerCapture(event.pointerId);
     this.pointers.set(event.pointerId, this.place(event));
+    this.hovered(null);
     const asks = event.button === 0 && (event.altKey || this.tool() === "ray");
     this.click = asks && this.pointers.size === 1 ? [event.clientX, event.clientY] : null;
     if (this.pointers.size === 1) {

@@ -14,8 +14,17 @@ export function svg(name, attributes, parent, text) {
 }
 
 /** Names of the ends of each axis: a patient's sides, or the axes themselves. */
-function names(patient) {
+export function names(patient) {
   return patient ? [["L", "R"], ["P", "A"], ["I", "S"]] : [["", "x"], ["", "y"], ["", "z"]];
+}
+
+/** Where a camera sees a point of the world, in heights of the picture from its middle; null behind the eye. */
+export function projected({ eye, right, up, forward, height, fov }, point) {
+  const local = [right, up, forward].map((axis) => axis.reduce((sum, c, k) => sum + c * (point[k] - eye[k]), 0));
+  if (fov === null) return [local[0] / height, local[1] / height];
+  if (local[2] <= 0) return null;
+  const tall = 2 * Math.tan((fov * Math.PI) / 360) * local[2];
+  return [local[0] / tall, local[1] / tall];
 }
 
 export class Marks {
@@ -25,13 +34,31 @@ export class Marks {
     this.camera = null;
   }
 
-  /** Draws both anew for a camera. `height` is the picture's in CSS pixels. */
-  draw(camera, height) {
+  /** Draws all anew for a camera. `height` is the picture's in CSS pixels; `crosshair` a place in the world, or null. */
+  draw(camera, height, crosshair) {
     this.camera = camera;
     this.overlay.replaceChildren();
+    if (crosshair && this.opened) this.crosshair(crosshair, height);
     const bottom = this.overlay.getBoundingClientRect().height;
     this.marker(camera).setAttribute("transform", `translate(58 ${bottom - 52})`);
     this.bar(camera, height)?.setAttribute("transform", `translate(122 ${bottom - 18})`);
+  }
+
+  /** Draws lines through a place, along the axes, as far as the volume goes. */
+  crosshair(at, height) {
+    const group = svg("g", { class: "crosshair" }, this.overlay);
+    const { clientWidth } = this.overlay.parentElement;
+    const seen = (point) => {
+      const place = projected(this.camera, point);
+      return place && [clientWidth / 2 + place[0] * height, height / 2 - place[1] * height];
+    };
+    const [low, high] = this.opened.bounds;
+    for (const axis of [0, 1, 2]) {
+      const [from, to] = [low, high].map((end) => seen(at.map((c, k) => (k === axis ? end[k] : c))));
+      if (from && to) svg("line", { class: `cross axis-${axis}`, x1: from[0], y1: from[1], x2: to[0], y2: to[1] }, group);
+    }
+    const middle = seen(at);
+    if (middle) svg("circle", { class: "cross-middle", cx: middle[0], cy: middle[1], r: 4 }, group);
   }
 
   marker({ right, up, forward }) {

@@ -85,6 +85,13 @@ export class Panels {
     set("point-opacity", Number(point.opacity.toPrecision(3)));
   }
 
+  /** Gradient of all values within a voxel or so: a surface's. */
+  steepest() {
+    if (!this.opened) return 1;
+    const { range: [low, high], spacing } = this.opened;
+    return (high - low || 1) / spacing;
+  }
+
   shading(part) {
     const shading = { ...this.state.shading, ...part };
     this.state.shading = shading;
@@ -97,6 +104,10 @@ export class Panels {
     for (const key of ["ambient", "diffuse", "specular", "power"]) {
       this.setLight[key] = this.slider(byId(key), (value) => this.shading({ [key]: value }));
     }
+    // Opacity that follows the gradient: none where the volume is flat, all of it from a magnitude on.
+    this.setEdges = this.slider(byId("edges"), (share) => {
+      this.shading({ gradient_opacity: share > 0 ? [[0, 0], [share * share * this.steepest(), 1]] : [] });
+    }, (share) => (share > 0 ? short(share * share * this.steepest()) : "off"));
     byId("headlight").addEventListener("click", () => this.shading({ lights: [{ headlight: true, direction: null, color: [1, 1, 1] }] }));
     byId("background").addEventListener("input", (e) => this.send({ kind: "background", color: linear(e.target.value) }));
     const ball = byId("light");
@@ -273,6 +284,7 @@ export class Panels {
     byId("shaded").checked = shading.enabled;
     byId("shading").hidden = !shading.enabled;
     for (const [key, set] of Object.entries(this.setLight)) set(shading[key]);
+    this.showEdges(shading.gradient_opacity ?? []);
     this.drawLight();
     if (document.activeElement !== byId("background")) byId("background").value = hex(background);
     // Clipping.
@@ -304,6 +316,14 @@ export class Panels {
     byId("quality").value = quality ?? "";
     byId("undo").disabled = !state.can_undo;
     byId("redo").disabled = !state.can_redo;
+  }
+
+  /** Shows factors on the opacity by gradient; those that no slider makes stand as they are. */
+  showEdges(factors) {
+    const isRamp = factors.length === 2 && factors[0][0] === 0 && factors[0][1] === 0 && factors[1][1] === 1;
+    this.setEdges(isRamp ? Math.min(Math.sqrt(factors[1][0] / this.steepest()), 1) : 0);
+    if (factors.length > 0 && !isRamp) byId("edges").parentElement.querySelector("output").textContent = "as set";
+    byId("edges").disabled = this.opened?.has_gradient === false;
   }
 
   /** Shows what a picture says of the camera. */

@@ -12,10 +12,12 @@ const [WIDTH, HEIGHT, GAP] = [320, 42, 21];
 const CHANNELS = ["red", "green", "blue", "opacity"];
 
 export class RayPanel extends Question {
-  /** `picture` is on the screen. */
-  constructor({ picture, rests }) {
+  /** `picture` is on the screen; `second(place)` is the setting of a second picture that lies over it there, or null. */
+  constructor({ picture, rests, second }) {
     super({ rests, say: (text) => (byId("ray-text").textContent = text) });
-    this.picture = picture;
+    Object.assign(this, { picture, second });
+    /** Setting of the picture whose pixel is asked for; null for the first one. */
+    this.setting = null;
     /** Place in heights of the picture from its middle; null while the panel is closed. */
     this.place = null;
     byId("ray-close").addEventListener("click", () => this.close());
@@ -66,7 +68,11 @@ export class RayPanel extends Question {
     const [x, y] = this.pixel(this.picture.size);
     byId("ray-title").textContent = `Pixel ${x}, ${y}`;
     this.say("asking the reference");
-    return `truth/ray?x=${x}&y=${y}`;
+    const query = new URLSearchParams({ x, y });
+    this.setting = this.second(this.place);
+    if (this.setting) query.set("renderer", this.setting.renderer);
+    if (this.setting?.quality) query.set("quality", this.setting.quality);
+    return `truth/ray?${query}`;
   }
 
   read(response) {
@@ -75,12 +81,13 @@ export class RayPanel extends Question {
 
   /** Bytes of the pixel as the screen has it. */
   onScreen([x, y]) {
-    return [...this.picture.context.getImageData(x, y, 1, 1).data.slice(0, 3)];
+    const canvas = this.setting ? byId("second") : this.picture.canvas;
+    return [...canvas.getContext("2d").getImageData(x, y, 1, 1).data.slice(0, 3)];
   }
 
   show({ pixel, renderer, rgba, exact, error, bound, is_proven: isProven, screen, steps, model, supersampling }) {
     byId("ray").classList.remove("stale");
-    byId("ray-title").textContent = `Pixel ${pixel.join(", ")} by ${renderer}`;
+    byId("ray-title").textContent = `Pixel ${pixel.join(", ")} by ${renderer}${this.setting ? ", second picture" : ""}`;
     const table = byId("ray-table");
     const row = (name, color, numbers, className) => {
       const line = document.createElement("tr");

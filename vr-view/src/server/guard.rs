@@ -7,7 +7,7 @@ use axum::http::header::{
     CACHE_CONTROL, CONTENT_SECURITY_POLICY, HOST, HeaderName, ORIGIN, REFERRER_POLICY, X_CONTENT_TYPE_OPTIONS,
     X_FRAME_OPTIONS,
 };
-use axum::http::{HeaderMap, HeaderValue, StatusCode};
+use axum::http::{HeaderMap, HeaderValue, Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
@@ -41,11 +41,16 @@ impl IntoResponse for Refusal {
 /// Checks a request before anything else looks at it.
 ///
 /// The first part of the path must be the token. `Host` must be an address in numbers, or `localhost`, with the port of the server. An `Origin`,
-/// which browsers send with every socket and every request of a script, must be the server itself; a socket must have one.
+/// which browsers send with every socket and every request that changes something, must be the server itself; these must have one.
 ///
 /// # Errors
 /// The first thing that is wrong.
-pub fn check(path: &str, headers: &HeaderMap, token: &Token, address: SocketAddr) -> Result<(), Refusal> {
+pub fn check(
+    (method, path): (&Method, &str),
+    headers: &HeaderMap,
+    token: &Token,
+    address: SocketAddr,
+) -> Result<(), Refusal> {
     let first = path.strip_prefix('/').and_then(|rest| rest.split('/').next()).unwrap_or_default();
     if !token.is(first) {
         return Err(Refusal::Token);
@@ -58,7 +63,7 @@ pub fn check(path: &str, headers: &HeaderMap, token: &Token, address: SocketAddr
     let mut origins = headers.get_all(ORIGIN).iter();
     let is_own_origin = |origin: &HeaderValue| origin.to_str().is_ok_and(|origin| origin == format!("http://{host}"));
     match origins.next() {
-        None if headers.contains_key(axum::http::header::UPGRADE) => Err(Refusal::Origin),
+        None if headers.contains_key(axum::http::header::UPGRADE) || !method.is_safe() => Err(Refusal::Origin),
         Some(origin) if !is_own_origin(origin) || origins.next().is_some() => Err(Refusal::Origin),
         _ => Ok(()),
     }
@@ -77,7 +82,7 @@ fn is_own_host(host: &str, address: SocketAddr) -> bool {
 
 /// Answers a request that passes [`check`], and adds to every answer what keeps other pages out.
 pub async fn guard(State(service): State<Service>, request: Request, next: Next) -> Response {
-    let checked = check(request.uri().path(), request.headers(), &service.token, service.address);
+    let checked = check((request.method(), request.uri().path()), request.headers(), &service.token, service.address);
     let host = request.headers().get(HOST).and_then(|host| host.to_str().ok()).unwrap_or_default().to_owned();
     let is_fine = checked.is_ok();
     let mut response = match checked {
@@ -115,12 +120,16 @@ mod tests {
     use axum::http::header::UPGRADE;
 
     fn checked(path: &str, headers: &[(HeaderName, &str)], address: &str) -> Result<(), Refusal> {
+        checked_as(&Method::GET, path, headers, address)
+    }
+
+    fn checked_as(method: &Method, path: &str, headers: &[(HeaderName, &str)], address: &str) -> Result<(), Refusal> {
         let token = Token::random().unwrap();
         let mut map = HeaderMap::new();
         for (name, value) in headers {
             map.append(name.clone(), HeaderValue::from_str(value).unwrap());
         }
-        check(&path.replace("TOKEN", token.text()), &map, &token, address.parse().unwrap())
+        check((method, &path.replace("TOKEN", token.text())), &map, &token, address.parse().unwrap())
     }
 
     #[test]
@@ -167,5 +176,14 @@ mod tests {
             assert_eq!(with(&[wrong], false), Err(Refusal::Origin), "{wrong}");
         }
         assert_eq!(with(&["http://127.0.0.1:8000", "http://evil.example"], true), Err(Refusal::Origin));
+        // What changes something says where it comes from.
+        for method in [Method::POST, Method::PUT, Method::DELETE] {
+            let post = |origin: &[(HeaderName, &str)]| {
+                checked_as(&method, "/TOKEN/open", &[&[(HOST, here)], origin].concat(), here)
+            };
+            assert_eq!(post(&[]), Err(Refusal::Origin));
+            assert_eq!(post(&[(ORIGIN, "http://evil.example")]), Err(Refusal::Origin));
+            assert_eq!(post(&[(ORIGIN, "http://127.0.0.1:8000")]), Ok(()));
+        }
     }
 }

@@ -58,6 +58,7 @@ mod tests {
     #[test]
     fn who_comes_late_is_told_the_error_too() {
         let camera = Orientation {
+            eye: glam::DVec3::Z,
             right: glam::DVec3::X,
             up: glam::DVec3::Y,
             forward: glam::DVec3::NEG_Z,

@@ -4,7 +4,7 @@ use axum::body::Bytes;
 use axum::extract::ws::Message;
 use serde::{Deserialize, Serialize};
 
-use crate::session::{ClientId, Edit, Head, Opened, Picture, PictureError, SecondPicture, State};
+use crate::session::{ClientId, Edit, Head, Opened, Picture, PictureError, SecondPicture, Slice, State};
 
 /// Most bytes of a message from a page: a transfer function of some thousand points.
 pub const MAX_MESSAGE: usize = 256 << 10;
@@ -108,9 +108,15 @@ pub fn second_picture_bytes(picture: &SecondPicture, coding: Coding) -> Vec<u8> 
     picture_bytes(&SecondHead { picture, coding }, coding, picture.size, &picture.rgba)
 }
 
-/// The length of the head in four bytes, the smallest first; the head in JSON; the pixels.
+/// A slice: its values as `f32`, the smallest byte first, NaN in vacuum; then, where there are labels, two bytes a pixel.
+pub fn slice_bytes(slice: &Slice) -> Vec<u8> {
+    let values = slice.values.iter().flat_map(|&value| (value as f32).to_le_bytes());
+    let labels = slice.label_indices.iter().flat_map(|index| index.to_le_bytes());
+    headed(slice, &values.chain(labels).collect::<Vec<u8>>())
+}
+
+/// The head of a picture, and its pixels.
 fn picture_bytes(head: &impl Serialize, coding: Coding, size: [u32; 2], rgba: &[u8]) -> Vec<u8> {
-    let head = serde_json::to_vec(head).expect("words and numbers have texts");
     let png;
     let pixels = match coding {
         Coding::Rgba => rgba,
@@ -119,9 +125,15 @@ fn picture_bytes(head: &impl Serialize, coding: Coding, size: [u32; 2], rgba: &[
             &png
         }
     };
-    let mut bytes = Vec::with_capacity(4 + head.len() + pixels.len());
+    headed(head, pixels)
+}
+
+/// The length of the head in four bytes, the smallest first; the head in JSON; the rest.
+fn headed(head: &impl Serialize, rest: &[u8]) -> Vec<u8> {
+    let head = serde_json::to_vec(head).expect("words and numbers have texts");
+    let mut bytes = Vec::with_capacity(4 + head.len() + rest.len());
     bytes.extend((head.len() as u32).to_le_bytes());
     bytes.extend(&head);
-    bytes.extend(pixels);
+    bytes.extend(rest);
     bytes
 }

@@ -6,36 +6,43 @@
 mod guard;
 mod hub;
 mod message;
+mod opening;
 mod page;
 mod rate;
+mod slices;
 mod socket;
 mod token;
 mod truth;
+mod upload;
 
 use std::future::Future;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::Duration;
 
 use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::{Path, Query, State};
+use axum::extract::{DefaultBodyLimit, Path, Query, State};
 use axum::http::StatusCode;
 use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
-use axum::routing::get;
+use axum::routing::{get, post};
 use serde::Deserialize;
-use tokio::sync::{OnceCell, Semaphore, watch};
+use tokio::sync::{Mutex, Semaphore, watch};
 use vr_core::Control;
 
 use crate::session::{Document, Export, Opened, Session};
 use hub::Hub;
 use message::Coding;
+use opening::Openings;
 
 pub use message::MAX_MESSAGE;
+pub use opening::{Opening, SubjectReader};
 pub use token::Token;
+pub use upload::{MAX_FILES, MAX_PIECE};
 
 /// Most pages that look at one session.
 pub const MAX_CLIENTS: usize = 8;
@@ -67,6 +74,14 @@ pub enum ServerError {
     /// A failure of the system while serving.
     #[error("server: {0}")]
     System(#[from] io::Error),
+    /// A folder that is none.
+    #[error("--folder {}: {source}", .folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
 }
 
 /// Server that listens already, so that its address is known.
@@ -74,6 +89,7 @@ pub struct Server {
     listener: TcpListener,
     address: SocketAddr,
     token: Token,
+    openings: Option<Arc<Openings>>,
 }
 
 impl Server {
@@ -89,7 +105,18 @@ impl Server {
         let listener = TcpListener::bind(address).map_err(failed)?;
         listener.set_nonblocking(true).map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
-        Ok(Self { listener, address, token: Token::random().map_err(ServerError::Token)? })
+        Ok(Self { listener, address, token: Token::random().map_err(ServerError::Token)?, openings: None })
+    }
+
+    /// Lets pages open other files.
+    ///
+    /// # Errors
+    /// A folder that is none.
+    pub fn with_opening(mut self, opening: Opening) -> Result<Self, ServerError> {
+        let folder = opening.folder.clone().unwrap_or_default();
+        let openings = Openings::new(opening).map_err(|source| ServerError::Folder { folder, source })?;
+        self.openings = Some(Arc::new(openings));
+        Ok(self)
     }
 
     /// Address of the page, with the token.
@@ -115,7 +142,9 @@ impl Server {
             clients: Arc::default(),
             next_client: Arc::new(AtomicU64::new(1)),
             opened: Arc::default(),
+            openings: self.openings,
             exports: Arc::new(Semaphore::new(1)),
+            slices: Arc::new(Semaphore::new(1)),
             end: Arc::new(end),
         };
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
@@ -147,20 +176,28 @@ struct Service {
     address: SocketAddr,
     clients: Arc<AtomicUsize>,
     next_client: Arc<AtomicU64>,
-    opened: Arc<OnceCell<Opened>>,
+    opened: Arc<Mutex<Option<Arc<Opened>>>>,
+    openings: Option<Arc<Openings>>,
     /// One picture at a time is drawn to be saved, or to be compared.
     exports: Arc<Semaphore>,
+    /// One slice at a time is sampled: it takes milliseconds.
+    slices: Arc<Semaphore>,
     end: Arc<watch::Sender<bool>>,
 }
 
 impl Service {
-    /// Description of the scene as it was opened: made once, beside the first pictures.
-    async fn opened(&self) -> &Opened {
-        let make = || async {
-            let session = Arc::clone(&self.session);
-            tokio::task::spawn_blocking(move || session.opened()).await.expect("a description does not panic")
+    /// Description of the volume that is shown: made once for each, beside the first pictures.
+    async fn opened(self) -> Arc<Opened> {
+        let mut kept = self.opened.lock().await;
+        let session = Arc::clone(&self.session);
+        let known = kept.clone();
+        let make = move || {
+            let known = known.filter(|opened| opened.volume == session.volume_revision());
+            known.unwrap_or_else(|| Arc::new(session.opened()))
         };
-        self.opened.get_or_init(make).await
+        let opened = tokio::task::spawn_blocking(make).await.expect("a description does not panic");
+        *kept = Some(Arc::clone(&opened));
+        opened
     }
 
     /// Encoding of pixels: as they are on one machine, packed over a network.
@@ -202,6 +239,15 @@ fn router(service: Service) -> Router {
         .route("/{token}/truth/error-map", get(truth::error_map))
         .route("/{token}/truth/ray", get(truth::ray))
         .route("/{token}/truth/second", get(truth::second))
+        .route("/{token}/slice", get(slices::slice))
+        .route("/{token}/place", get(slices::place))
+        .route("/{token}/pick", get(slices::pick))
+        .route("/{token}/files", get(opening::list))
+        .route("/{token}/open", post(opening::open))
+        .route("/{token}/upload", post(opening::begin))
+        .route("/{token}/upload/{id}", post(opening::piece).delete(opening::give_up))
+        .route("/{token}/upload/{id}/open", post(opening::open_upload))
+        .layer(DefaultBodyLimit::max(MAX_PIECE))
         .route("/{token}/{name}", get(page::file))
         .layer(guarded)
         .with_state(service)

@@ -34,6 +34,10 @@ files! {
     "error_map.js": JS,
     "ray.js": JS,
     "curtain.js": JS,
+    "slices.js": JS,
+    "slice_view.js": JS,
+    "open.js": JS,
+    "pick.js": JS,
 }
 
 /// Answers with the page itself.

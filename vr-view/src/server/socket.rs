@@ -1,6 +1,7 @@
 //! One client: its edits in, pictures and words out.
 
 use std::pin::pin;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::extract::ws::{CloseFrame, Message, WebSocket, close_code};
@@ -13,7 +14,7 @@ use tokio::time::timeout;
 use super::Service;
 use super::message::{Request, Told, picture_message};
 use super::rate::Rate;
-use crate::session::{ClientId, Output};
+use crate::session::{ClientId, Output, Session};
 
 /// Time after which a client that takes nothing is given up.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -36,7 +37,13 @@ pub async fn serve(socket: WebSocket, service: Service, client: ClientId) {
             let _ = timeout(LAST_WORD, receiving).await;
         }
     }
-    service.session.forget(client);
+    blocking(&service, move |session| session.forget(client)).await;
+}
+
+/// Asks the session something off the server's thread; `None` where that has panicked.
+async fn blocking<T: Send + 'static>(service: &Service, ask: impl FnOnce(&Session) -> T + Send + 'static) -> Option<T> {
+    let session = Arc::clone(&service.session);
+    tokio::task::spawn_blocking(move || ask(&session)).await.ok()
 }
 
 /// Reads edits until the client goes, or has to.
@@ -58,10 +65,15 @@ async fn receive(
         }
         let refused = match message {
             Message::Text(text) => match serde_json::from_str::<Request>(&text) {
-                Ok(Request { number, edit }) => match service.session.apply(client, number, &edit) {
-                    Ok(()) => continue,
-                    Err(e) => Told::Refused { number: Some(number), reason: e.to_string() },
-                },
+                Ok(Request { number, edit }) => {
+                    // An edit may ask for a survey of the volume, which would hold up every other client.
+                    let edited = blocking(service, move |session| session.apply(client, number, &edit)).await;
+                    match edited {
+                        Some(Ok(())) => continue,
+                        Some(Err(e)) => Told::Refused { number: Some(number), reason: e.to_string() },
+                        None => Told::Refused { number: Some(number), reason: "the edit has failed".to_owned() },
+                    }
+                }
                 Err(e) => {
                     malformed += 1;
                     Told::Refused { number: None, reason: format!("message: {e}") }
@@ -94,11 +106,11 @@ async fn send(
 ) -> Option<()> {
     let (mut pictures, mut words) = service.hub.listen();
     let coding = service.coding();
-    let state = service.session.state();
+    let state = blocking(service, Session::state).await?;
     put(&mut sink, Told::Hello { client, version: env!("CARGO_PKG_VERSION") }.message()).await?;
     put(&mut sink, Told::State { state: &state }.message()).await?;
     pictures.mark_changed();
-    let mut opened = Box::pin(service.opened());
+    let mut opened = Box::pin(service.clone().opened());
     let mut has_opened = false;
     loop {
         let message = tokio::select! {
@@ -106,14 +118,22 @@ async fn send(
             answer = answers.recv() => answer?,
             opened = &mut opened, if !has_opened => {
                 has_opened = true;
-                Told::Opened { opened }.message()
+                Told::Opened { opened: &opened }.message()
             }
             word = words.recv() => match word {
                 Ok(Output::State(state)) => Told::State { state: &state }.message(),
                 Ok(Output::Error { picture, error }) => Told::Error { picture, error }.message(),
                 Ok(Output::Problem(reason)) => Told::Problem { reason: &reason }.message(),
+                Ok(Output::Volume) => {
+                    (opened, has_opened) = (Box::pin(service.clone().opened()), false);
+                    continue;
+                }
                 Ok(Output::Picture(_)) => continue,
-                Err(RecvError::Lagged(_)) => Told::State { state: &service.session.state() }.message(),
+                Err(RecvError::Lagged(_)) => {
+                    // Another volume may have been among the words that were missed.
+                    (opened, has_opened) = (Box::pin(service.clone().opened()), false);
+                    Told::State { state: &blocking(service, Session::state).await? }.message()
+                }
                 Err(RecvError::Closed) => return None,
             },
             changed = pictures.changed() => {

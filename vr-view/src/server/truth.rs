@@ -11,7 +11,7 @@ use vr_core::RenderError;
 
 use super::Service;
 use super::message::second_picture_bytes;
-use crate::session::{Session, Setting, TruthError};
+use crate::session::{Quality, Session, Setting, TruthError};
 
 /// Answers with the error map.
 pub async fn error_map(State(service): State<Service>) -> Response {
@@ -24,11 +24,20 @@ pub async fn error_map(State(service): State<Service>) -> Response {
 pub struct PixelQuery {
     x: u32,
     y: u32,
+    /// Renderer of the second picture, where the pixel is one of that.
+    renderer: Option<String>,
+    /// Its quality.
+    quality: Option<Quality>,
 }
 
 /// Answers with the plot of a pixel's ray.
-pub async fn ray(State(service): State<Service>, Query(PixelQuery { x, y }): Query<PixelQuery>) -> Response {
-    answer(service, move |session| session.ray([x, y]), json).await
+pub async fn ray(State(service): State<Service>, Query(query): Query<PixelQuery>) -> Response {
+    let PixelQuery { x, y, renderer, quality } = query;
+    let ask = move |session: &Session| match renderer {
+        Some(renderer) => session.ray_of([x, y], &Setting { renderer, quality }),
+        None => session.ray([x, y]),
+    };
+    answer(service, ask, json).await
 }
 
 /// Answers with the picture of a second setting.
@@ -41,7 +50,7 @@ pub async fn second(State(service): State<Service>, Query(setting): Query<Settin
 }
 
 /// An answer in JSON.
-fn json<T: Serialize>(found: T) -> Response {
+pub fn json<T: Serialize>(found: T) -> Response {
     let text = serde_json::to_string(&found).expect("words and numbers have texts");
     ([(CONTENT_TYPE, "application/json")], text).into_response()
 }
@@ -56,10 +65,15 @@ async fn answer<T: Send + 'static>(
     let session = Arc::clone(&service.session);
     match tokio::task::spawn_blocking(move || question(&session)).await {
         Ok(Ok(found)) => encode(found),
-        Ok(Err(TruthError::Render(RenderError::Cancelled))) => {
-            (StatusCode::CONFLICT, "the scene has changed\n").into_response()
-        }
-        Ok(Err(e)) => (StatusCode::UNPROCESSABLE_ENTITY, format!("{e}\n")).into_response(),
+        Ok(Err(e)) => refusal(&e),
         Err(_) => (StatusCode::INTERNAL_SERVER_ERROR, "drawing has failed\n").into_response(),
+    }
+}
+
+/// The answer in words to a question that has none.
+pub fn refusal(error: &TruthError) -> Response {
+    match error {
+        TruthError::Render(RenderError::Cancelled) => (StatusCode::CONFLICT, "the scene has changed\n").into_response(),
+        e => (StatusCode::UNPROCESSABLE_ENTITY, format!("{e}\n")).into_response(),
     }
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use serde::Serialize;
 use vr_core::transfer::Preset;
-use vr_core::{Clip, Scene};
+use vr_core::{Clip, Field, Scene, Volume};
 use vr_io::{FileInfo, RenderSection, ShadingSection, TransferSection};
 use vr_look::{Hints, Histogram, Survey};
 
@@ -18,6 +18,8 @@ const BINS: usize = 256;
 /// All of a subject that edits do not change.
 #[derive(Clone, Debug, Serialize)]
 pub struct Opened {
+    /// Number of volumes that were opened before.
+    pub volume: u64,
     /// The volume in a few words.
     pub title: String,
     /// Notes on everything assumed, one line each.
@@ -36,6 +38,10 @@ pub struct Opened {
     pub presets: Vec<PresetName>,
     /// World length between voxels, the usual unit of opacities.
     pub spacing: f64,
+    /// World lengths along x, y and z between voxels: the steps from slice to slice.
+    pub steps: DVec3,
+    /// True if the volume has gradients, so that opacity can follow their magnitude.
+    pub has_gradient: bool,
 }
 
 /// A preset.
@@ -51,7 +57,7 @@ pub struct PresetName {
 
 impl Opened {
     /// Describes a subject; `scene` is the one around it.
-    pub(super) fn of(subject: &Subject, scene: &Scene) -> Self {
+    pub(super) fn of(subject: &Subject, scene: &Scene, revision: u64) -> Self {
         let volume = &scene.volume;
         let info = subject.volume.info.as_ref();
         let (low, high) = volume.value_range().unwrap_or((0.0, 1.0));
@@ -68,17 +74,31 @@ impl Opened {
         let others = Preset::ALL.iter().filter(|preset| !suitable.contains(preset));
         let named = |preset: &Preset, suits| PresetName { name: preset.name(), title: preset.title(), suits };
         Self {
+            volume: revision,
             title: subject.title.clone(),
             notes: subject.notes.clone(),
             bounds: [low_corner, high_corner],
-            patient: info.is_some_and(|info| info.space.is_patient()),
+            patient: subject.is_patient(),
             unit: info.and_then(|info| info.units.clone()),
             range: [low, high],
             histogram: histogram.map(|histogram| histogram.counts).unwrap_or_default(),
             presets: suitable.iter().map(|p| named(p, true)).chain(others.map(|p| named(p, false))).collect(),
             spacing: volume.mean_spacing(),
+            steps: steps(volume),
+            has_gradient: volume.field().is_none_or(Field::has_gradient),
         }
     }
+}
+
+/// World lengths between slices: of a grid, the edges of a voxel that go most nearly along each axis; of other kinds, their spacing.
+fn steps(volume: &Volume) -> DVec3 {
+    let Some(grid) = volume.value_grid() else { return DVec3::splat(volume.mean_spacing()) };
+    let axes = grid.placement().axes();
+    let along = |world: usize| {
+        let edges = [axes.x_axis, axes.y_axis, axes.z_axis].map(|edge| (edge.normalize()[world].abs(), edge.length()));
+        edges.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, length)| length)
+    };
+    DVec3::new(along(0), along(1), along(2))
 }
 
 /// The scene after a change, but for the camera, which comes with each picture.

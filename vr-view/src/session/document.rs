@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
-use vr_core::{Camera, Options, Projection, RenderError, Renderer, Scene, Surfaces, View};
+use vr_core::{Camera, Clip, Options, Projection, RenderError, Renderer, Scene, Surfaces, View, Volume};
 use vr_io::{CameraSection, CompositingName, LoadedScene, RenderSection, SceneFile, TransferSection, USUAL_FOV};
 use vr_look::{Survey, fit};
 use vr_mesh::Surface;
@@ -22,6 +22,11 @@ pub const MAX_PIXELS: u32 = 3840 * 2160 * 3 / 2;
 
 /// Most changes that can be taken back.
 const MAX_HISTORY: usize = 200;
+/// Most volumes that history keeps in memory besides the one that is shown.
+const MAX_FORMER_VOLUMES: usize = 1;
+
+/// Part of two boxes that must be common for a camera to be kept when one takes the place of the other.
+const ALIKE: f64 = 0.5;
 
 /// Option of renderers that aim at an error by themselves.
 const QUALITY: &str = "quality";
@@ -37,6 +42,8 @@ pub enum Change {
     Renderer,
     /// The scene itself.
     Scene,
+    /// The volume: another file is shown.
+    Volume,
 }
 
 /// The scene, its view and its renderer, always such as can be written to a scene file.
@@ -46,15 +53,27 @@ pub struct Document {
     /// The scene file, complete but for camera and size, which [`Self::view`] has.
     file: SceneFile,
     scene: Scene,
+    /// The volume without labels.
+    values: Volume,
     view: View,
     /// Camera and shape of the picture that the scene was opened with.
     first: (Camera, f64),
     visible: OnceLock<Vec<DVec3>>,
     /// Counts changes of the scene.
     scene_revision: u64,
-    undo: Vec<SceneFile>,
-    redo: Vec<SceneFile>,
+    /// Counts changes of the volume.
+    volume_revision: u64,
+    undo: Vec<Former>,
+    redo: Vec<Former>,
     gesture: Gesture,
+}
+
+/// State that can be come back to.
+struct Former {
+    subject: Arc<Subject>,
+    file: SceneFile,
+    /// The camera: come back to only with another volume.
+    camera: Camera,
 }
 
 /// Gesture that edits may belong to.
@@ -75,19 +94,21 @@ impl Document {
     /// A scene that cannot be made, or that its renderer does not draw.
     pub fn new(subject: Arc<Subject>, renderers: Arc<RendererList>) -> Result<Self, EditError> {
         let mut file = subject.file.clone();
-        let LoadedScene { scene, view, .. } = resolved(&subject, &file)?;
+        let LoadedScene { scene, view, unlabelled, .. } = resolved(&subject, &file)?;
         if file.render.renderer.is_none() {
             file.render.renderer = Some((renderers.usual)(&scene).to_owned());
         }
         let document = Self {
             first: (view.camera, view.aspect()),
             scene: with_surfaces(&subject, scene),
+            values: unlabelled.volume,
             subject,
             renderers,
             file,
             view,
             visible: OnceLock::new(),
             scene_revision: 0,
+            volume_revision: 0,
             undo: Vec::new(),
             redo: Vec::new(),
             gesture: Gesture::None,
@@ -99,6 +120,11 @@ impl Document {
     /// The scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// The volume as slices show it: under the scene's filter, and without the codes that labels make of its values.
+    pub fn values(&self) -> &Volume {
+        &self.values
     }
 
     /// The view of the picture at rest.
@@ -119,6 +145,11 @@ impl Document {
     /// Number of changes of the scene so far.
     pub fn scene_revision(&self) -> u64 {
         self.scene_revision
+    }
+
+    /// Number of changes of the volume so far.
+    pub fn volume_revision(&self) -> u64 {
+        self.volume_revision
     }
 
     /// True if there is a change to take back, and one to make again.
@@ -356,12 +387,7 @@ impl Document {
 
     /// World positions that enclose all that is visible.
     fn visible(&self) -> &[DVec3] {
-        self.visible.get_or_init(|| {
-            let Scene { volume, transfer, compositing, .. } = &self.scene;
-            let mut points = Survey::of(volume).visible(transfer, *compositing, &self.view.clip);
-            points.extend(self.subject.mesh.iter().flat_map(|(mesh, _)| mesh.positions().iter().copied()));
-            points
-        })
+        self.visible.get_or_init(|| visible(&self.subject, &self.scene, &self.view.clip))
     }
 
     /// Makes an edit of what can be undone.
@@ -390,15 +416,12 @@ impl Document {
             // Every other edit is done by the caller.
             _ => return Ok(Change::Nothing),
         }
-        let former = self.file.clone();
+        let former = self.former();
         let change = self.take(file)?;
         if change != Change::Nothing {
             self.redo.clear();
             if self.gesture != Gesture::Kept {
-                self.undo.push(former);
-                if self.undo.len() > MAX_HISTORY {
-                    self.undo.remove(0);
-                }
+                self.keep(former);
             }
             if self.gesture == Gesture::Begun {
                 self.gesture = Gesture::Kept;
@@ -407,47 +430,124 @@ impl Document {
         Ok(change)
     }
 
+    /// Shows another volume under the transfer function, the light, the background and the renderer that are chosen, as far as they suit it: a curve
+    /// under which nothing is seen gives way to the volume's own look. The camera
+    /// stays where both volumes take up the same room; elsewhere it looks the same way at all that is visible. Crop box and planes, which belong to a
+    /// place, are taken away.
+    ///
+    /// # Errors
+    /// A scene that cannot be made, or that none of the renderers draws.
+    pub fn open(&mut self, subject: Arc<Subject>) -> Result<Change, EditError> {
+        let former = self.former();
+        let own = &subject.file;
+        let mut looked = SceneFile { transfer: self.file.transfer.clone(), ..own.clone() };
+        looked.shading.clone_from(&self.file.shading);
+        looked.image.clone_from(&self.file.image);
+        let kept = SceneFile { render: self.file.render.clone(), ..looked.clone() };
+        let mut own_look = own.clone();
+        own_look.image.clone_from(&self.file.image);
+        let curve = SceneFile { transfer: self.file.transfer.clone(), ..own_look.clone() };
+        // Keep as much as the volume takes: all, all but the renderer, the curve alone, or nothing.
+        // A curve under which nothing of it is seen is no look for it.
+        let is_seen = |file: &SceneFile| resolved(&subject, file).is_ok_and(|loaded| shows(&loaded.scene));
+        let kept = [kept, looked, curve].into_iter().filter(is_seen);
+        let taken = kept.filter_map(|file| self.take_all(Arc::clone(&subject), file, None).ok()).next();
+        let change = match taken {
+            Some(change) => change,
+            None => self.take_all(subject, own_look, None)?,
+        };
+        self.redo.clear();
+        self.keep(former);
+        self.gesture = Gesture::None;
+        Ok(change)
+    }
+
+    /// The state as it is, to be come back to.
+    fn former(&self) -> Former {
+        Former { subject: Arc::clone(&self.subject), file: self.file.clone(), camera: self.view.camera }
+    }
+
+    /// Keeps a state that can be come back to; those that need a volume too many are forgotten.
+    fn keep(&mut self, former: Former) {
+        self.undo.push(former);
+        if self.undo.len() > MAX_HISTORY {
+            self.undo.remove(0);
+        }
+        let mut volumes = vec![Arc::as_ptr(&self.subject)];
+        let too_old = self.undo.iter().rposition(|former| {
+            let volume = Arc::as_ptr(&former.subject);
+            if volumes.contains(&volume) {
+                return false;
+            }
+            volumes.push(volume);
+            volumes.len() > 1 + MAX_FORMER_VOLUMES
+        });
+        if let Some(last) = too_old {
+            self.undo.drain(..=last);
+        }
+    }
+
     fn step_back(&mut self) -> Result<Change, EditError> {
-        let former = self.undo.pop().ok_or(EditError::NoHistory("undo"))?;
-        let now = self.file.clone();
-        let change = self.take(former)?;
+        let Former { subject, file, camera } = self.undo.pop().ok_or(EditError::NoHistory("undo"))?;
+        let now = self.former();
+        let change = self.take_all(subject, file, Some(camera))?;
         self.redo.push(now);
         Ok(change)
     }
 
     fn step_forward(&mut self) -> Result<Change, EditError> {
-        let later = self.redo.pop().ok_or(EditError::NoHistory("redo"))?;
-        let now = self.file.clone();
-        let change = self.take(later)?;
+        let Former { subject, file, camera } = self.redo.pop().ok_or(EditError::NoHistory("redo"))?;
+        let now = self.former();
+        let change = self.take_all(subject, file, Some(camera))?;
         self.undo.push(now);
         Ok(change)
     }
 
     /// Takes over a scene file in place of the own one, or none of it.
-    fn take(&mut self, mut file: SceneFile) -> Result<Change, EditError> {
+    fn take(&mut self, file: SceneFile) -> Result<Change, EditError> {
+        self.take_all(Arc::clone(&self.subject), file, None)
+    }
+
+    /// Takes over a scene file and its volume in place of the own ones, or none of it. Another volume is seen by `camera`, or by one that is found.
+    fn take_all(
+        &mut self,
+        subject: Arc<Subject>,
+        mut file: SceneFile,
+        camera: Option<Camera>,
+    ) -> Result<Change, EditError> {
         let change = match () {
+            () if !Arc::ptr_eq(&subject, &self.subject) => Change::Volume,
             () if file == self.file => return Ok(Change::Nothing),
             () if concerns_scene(&file, &self.file) => Change::Scene,
             () if file.clip != self.file.clip => Change::View,
             () => Change::Renderer,
         };
-        let view = View { clip: file.clip.clone(), ..self.view.clone() };
+        let mut view = View { clip: file.clip.clone(), ..self.view.clone() };
         view.validate()?;
-        let scene = if change == Change::Scene {
-            let loaded = resolved(&self.subject, &file)?;
-            let info = self.subject.volume.info.as_ref();
-            file = file.completed(&loaded.unlabelled, loaded.labels.clone(), &view, info);
-            with_surfaces(&self.subject, loaded.scene)
-        } else {
-            self.scene.clone()
-        };
+        let (mut scene, mut values, mut first) = (self.scene.clone(), self.values.clone(), self.first);
+        if change >= Change::Scene {
+            let loaded = resolved(&subject, &file)?;
+            file = file.completed(&loaded.unlabelled, loaded.labels.clone(), &view, subject.volume.info.as_ref());
+            (scene, values) = (with_surfaces(&subject, loaded.scene), loaded.unlabelled.volume);
+        }
+        if change == Change::Volume {
+            let own = resolved(&subject, &subject.file)?.view;
+            first = (own.camera, own.aspect());
+            view.camera = match camera {
+                Some(camera) => camera,
+                None if are_alike(self.scene.volume.bounds(), scene.volume.bounds()) => view.camera,
+                None => fit(&view.camera, &visible(&subject, &scene, &view.clip), view.aspect()),
+            };
+            view.validate()?;
+        }
         self.renderer(&file.render, None)?.supports(&scene, Some(&view))?;
         self.file = file;
         self.view = view;
-        if change == Change::Scene {
-            self.scene = scene;
+        if change >= Change::Scene {
+            (self.scene, self.values, self.first, self.subject) = (scene, values, first, subject);
             self.scene_revision += 1;
         }
+        self.volume_revision += u64::from(change == Change::Volume);
         if change != Change::Renderer {
             self.visible = OnceLock::new();
         }
@@ -463,6 +563,38 @@ pub struct Stages {
     pub sharp: Box<dyn Renderer>,
     /// Under an error bound, and that bound.
     pub proven: Option<(Box<dyn Renderer>, f64)>,
+}
+
+/// World positions that enclose all that is visible of a scene.
+fn visible(subject: &Subject, scene: &Scene, clip: &Clip) -> Vec<DVec3> {
+    let mut points = Survey::of(&scene.volume).visible(&scene.transfer, scene.compositing, clip);
+    points.extend(subject.mesh.iter().flat_map(|(mesh, _)| mesh.positions().iter().copied()));
+    points
+}
+
+/// True if some value between the volume's smallest and largest one is seen in a step as long as its spacing.
+fn shows(scene: &Scene) -> bool {
+    /// Values that are tried.
+    const VALUES: u32 = 1024;
+    /// Light or opacity of what is seen: four steps of 8 bits.
+    const FAINT: f64 = 4.0 / 255.0;
+    let Some((low, high)) = scene.volume.value_range().filter(|_| scene.compositing.integrates_light()) else {
+        return true;
+    };
+    let value = |i: u32| low + (high - low) * f64::from(i) / f64::from(VALUES);
+    let length = scene.volume.mean_spacing();
+    (0..=VALUES).any(|i| scene.transfer.step(value(i), length).iter().any(|&part| part > FAINT))
+}
+
+/// True if what two boxes have in common is most of either.
+fn are_alike((a_low, a_high): (DVec3, DVec3), (b_low, b_high): (DVec3, DVec3)) -> bool {
+    let common = (a_high.min(b_high) - a_low.max(b_low)).max(DVec3::ZERO);
+    let share = |low: DVec3, high: DVec3| {
+        // A side without length is all in common where it is in the same place.
+        let sides = (0..3).map(|k| if high[k] > low[k] { common[k] / (high[k] - low[k]) } else { 1.0 });
+        sides.product::<f64>()
+    };
+    share(a_low, a_high) >= ALIKE && share(b_low, b_high) >= ALIKE
 }
 
 /// True if a renderer of these options has settings by error.

@@ -123,6 +123,13 @@ pub enum Edit {
     Redo,
 }
 
+impl Edit {
+    /// True if the edit asks what is visible, or what the values are: for a survey of the volume.
+    pub(super) fn needs_survey(&self) -> bool {
+        matches!(self, Self::Preset { .. } | Self::AutomaticLook | Self::Fit | Self::Side { .. })
+    }
+}
+
 /// Side of a volume from which it is looked at: the file's own sides, or those of a patient.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]

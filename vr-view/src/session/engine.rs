@@ -6,7 +6,9 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use glam::DVec3;
 use vr_core::{Control, Frame, Model, Prepared, RenderError, Renderer, Scene, View};
+use vr_look::Survey;
 use vr_physics::metrics::subgrid;
 use vr_study::reference::ReferencePixels;
 
@@ -17,10 +19,14 @@ use super::error::{EditError, TruthError};
 use super::error_map::ErrorMap;
 use super::export::{Export, ExportError};
 use super::pace::Pace;
+use super::pick::Pick;
 use super::picture::{COMPARED, ClientId, Head, Orientation, Picture, PictureError, Stage};
 use super::ray_plot::RayPlot;
 use super::second::{SecondPicture, Setting};
+use super::slice::{Place, Slice, SliceQuery};
+use super::subject::Subject;
 use super::upsampled::rmse_upsampled;
+use super::value_at::value_at;
 
 /// Time without an edit after which the picture is at rest.
 const REST: Duration = Duration::from_millis(100);
@@ -39,6 +45,8 @@ pub enum Output {
     },
     /// The scene after a change.
     State(Arc<State>),
+    /// Another volume is shown: [`Session::opened`] describes it.
+    Volume,
     /// The reason why there is no picture.
     Problem(String),
 }
@@ -67,6 +75,8 @@ struct Desk {
     stale: Option<Arc<AtomicBool>>,
     /// Cancel flags of answers in the making, which an edit makes stale, too.
     asked: Vec<Arc<AtomicBool>>,
+    /// Cancel flags of slices in the making, which moves and looks leave as they are.
+    sliced: Vec<Arc<AtomicBool>>,
     /// Cancel flag of any work.
     working: Option<Arc<AtomicBool>>,
     ended: bool,
@@ -82,6 +92,11 @@ impl Desk {
     /// Cancels every answer in the making.
     fn give_up_answers(&mut self) {
         self.asked.drain(..).for_each(|flag| flag.store(true, Ordering::Relaxed));
+    }
+
+    /// Cancels every slice in the making.
+    fn give_up_slices(&mut self) {
+        self.sliced.drain(..).for_each(|flag| flag.store(true, Ordering::Relaxed));
     }
 }
 
@@ -102,6 +117,7 @@ impl Session {
             answers: BTreeMap::new(),
             stale: None,
             asked: Vec::new(),
+            sliced: Vec::new(),
             working: None,
             ended: false,
         };
@@ -117,12 +133,50 @@ impl Session {
     /// # Errors
     /// The reason why nothing was changed.
     pub fn apply(&self, client: ClientId, number: u64, edit: &Edit) -> Result<(), EditError> {
+        if edit.needs_survey() {
+            self.survey();
+        }
         let mut desk = self.shared.desk();
         let outcome = desk.document.apply(edit);
         desk.answers.insert(client, number);
         let change = outcome?;
+        // A move is told by the next picture.
+        let tells =
+            change > Change::View || matches!(edit, Edit::Crop { .. } | Edit::Planes { .. } | Edit::Undo | Edit::Redo);
+        self.changed(desk, change, Some((client, number)), tells);
+        Ok(())
+    }
+
+    /// Shows another volume in place of the one that is there, and keeps of its look what suits it; that can be undone. The volume before is kept in memory
+    /// until a third one is opened.
+    ///
+    /// # Errors
+    /// A scene that cannot be made, or that none of the renderers draws: nothing is changed.
+    pub fn open(&self, subject: Subject) -> Result<(), EditError> {
+        // Counting takes a while, and needs no lock.
+        self.control.run(|| Survey::of(&subject.volume.volume));
+        let mut desk = self.shared.desk();
+        let change = desk.document.open(Arc::new(subject))?;
+        self.changed(desk, change, None, true);
+        Ok(())
+    }
+
+    /// Makes the survey that an edit asks for before the scene is locked, so that pictures and other edits go on meanwhile.
+    fn survey(&self) {
+        let volumes = {
+            let desk = self.shared.desk();
+            [desk.document.scene().volume.clone(), desk.document.values().clone()]
+        };
+        // A volume that keeps nothing would be surveyed again.
+        for volume in volumes.iter().filter(|volume| volume.derived().is_some()) {
+            self.control.run(|| Survey::of(volume));
+        }
+    }
+
+    /// Cancels what a change makes stale, and tells of it.
+    fn changed(&self, mut desk: MutexGuard<'_, Desk>, change: Change, by: Option<(ClientId, u64)>, tells: bool) {
         if change == Change::Nothing {
-            return Ok(());
+            return;
         }
         desk.revision += 1;
         desk.last_edit = Instant::now();
@@ -130,16 +184,27 @@ impl Session {
             flag.store(true, Ordering::Relaxed);
         }
         desk.give_up_answers();
-        // A move is told by the next picture.
-        let tells =
-            change > Change::View || matches!(edit, Edit::Crop { .. } | Edit::Planes { .. } | Edit::Undo | Edit::Redo);
-        let state = tells.then(|| Arc::new(State::of(&desk.document, Some((client, number)))));
+        if change == Change::Volume {
+            desk.give_up_slices();
+            // A draft of the volume before is nothing to look at.
+            if let Some(flag) = &desk.working {
+                flag.store(true, Ordering::Relaxed);
+            }
+        }
+        let state = tells.then(|| Arc::new(State::of(&desk.document, by)));
         drop(desk);
         self.shared.wake.notify_one();
+        if change == Change::Volume {
+            (self.shared.tell)(Output::Volume);
+        }
         if let Some(state) = state {
             (self.shared.tell)(Output::State(state));
         }
-        Ok(())
+    }
+
+    /// Number of times that another volume was opened so far.
+    pub fn volume_revision(&self) -> u64 {
+        self.shared.desk().document.volume_revision()
     }
 
     /// Forgets the edits of a client that has gone.
@@ -155,11 +220,12 @@ impl Session {
     /// Describes the scene as it was opened: all that edits do not change.
     pub fn opened(&self) -> Opened {
         // Counting voxels takes a while, and needs no lock.
-        let (subject, scene) = {
+        let (subject, scene, revision) = {
             let desk = self.shared.desk();
-            (Arc::clone(desk.document.subject()), desk.document.scene().clone())
+            let d = &desk.document;
+            (Arc::clone(d.subject()), d.scene().clone(), d.volume_revision())
         };
-        self.control.run(|| Opened::of(&subject, &scene))
+        self.control.run(|| Opened::of(&subject, &scene, revision))
     }
 
     /// Makes a file of the scene as it is, or of its picture at rest.
@@ -193,6 +259,30 @@ impl Session {
         self.at_rest(best, |around, renderer, control| RayPlot::of(around, pixel, &*renderer, control))
     }
 
+    /// The same by a second setting, as [`Self::second`] draws it.
+    ///
+    /// # Errors
+    /// Those of [`Self::ray`]; a setting that no renderer has.
+    pub fn ray_of(&self, pixel: [u32; 2], setting: &Setting) -> Result<RayPlot, TruthError> {
+        self.at_rest(
+            |document| document.second(setting).map(|(renderer, _)| renderer),
+            |around, renderer, control| RayPlot::of(around, pixel, &*renderer, control),
+        )
+    }
+
+    /// Finds what is seen at a place in the picture: `None` where nothing is. On the caller's thread: it waits for none of the pictures.
+    ///
+    /// # Errors
+    /// A place that is not finite, or a view without rays.
+    pub fn pick(&self, place: [f64; 2]) -> Result<Option<Pick>, TruthError> {
+        let (scene, values, view) = {
+            let desk = self.shared.desk();
+            let d = &desk.document;
+            (d.scene().clone(), d.values().clone(), d.view().clone())
+        };
+        Ok(Pick::of((&scene, &values), &view, place).map_err(RenderError::from)?)
+    }
+
     /// Draws scene and view by a second setting, and measures its error as that of the first picture. The next edit, and the end of the
     /// session, cancel it.
     ///
@@ -203,6 +293,42 @@ impl Session {
             |document| document.second(setting),
             |around, (renderer, bound), control| SecondPicture::of(around, (&*renderer, bound), control),
         )
+    }
+
+    /// Samples the scene's volume on a plane, on the caller's thread: it waits for none of the pictures. The control's flag cancels it, and so does the end
+    /// of the session.
+    ///
+    /// # Errors
+    /// A slice that makes no sense, labels that cannot be read, or [`RenderError::Cancelled`].
+    pub fn slice(&self, query: &SliceQuery, control: &Control) -> Result<Slice, TruthError> {
+        let flag = control.cancel_flag();
+        let (subject, volume) = {
+            let mut desk = self.shared.desk();
+            if desk.ended {
+                return Err(RenderError::Cancelled.into());
+            }
+            desk.sliced.push(Arc::clone(&flag));
+            (Arc::clone(desk.document.subject()), desk.document.values().clone())
+        };
+        let made = control.cancellable(|| {
+            let labels = subject.label_looks()?;
+            Ok(Slice::of(&volume, labels, subject.is_patient(), query, control)?)
+        });
+        self.shared.desk().sliced.retain(|sliced| !Arc::ptr_eq(sliced, &flag));
+        made.unwrap_or_else(|stopped| Err(RenderError::from(stopped).into()))
+    }
+
+    /// The value, and the label, at a world position.
+    ///
+    /// # Errors
+    /// Labels that cannot be read.
+    pub fn place(&self, at: DVec3) -> Result<Place, TruthError> {
+        let (subject, volume) = {
+            let desk = self.shared.desk();
+            (Arc::clone(desk.document.subject()), desk.document.values().clone())
+        };
+        let label = subject.label_looks()?.and_then(|looks| looks.at(at)).cloned();
+        Ok(Place { at, value: value_at(&volume, at), label })
     }
 
     /// Asks a question of the scene, the view and a renderer of the document, which the next edit cancels.
@@ -236,6 +362,7 @@ impl Session {
         let mut desk = self.shared.desk();
         desk.ended = true;
         desk.give_up_answers();
+        desk.give_up_slices();
         if let Some(flag) = &desk.working {
             flag.store(true, Ordering::Relaxed);
         }
@@ -533,7 +660,12 @@ fn job(desk: &mut Desk, (stage, size): (Stage, [u32; 2])) -> Result<Job, EditErr
         renderer,
         full_size: document.view().size,
         bound,
-        setting: format!("{} {:?} {bound:?}", document.renderer_name(), file.render.options),
+        setting: format!(
+            "{} {} {:?} {bound:?}",
+            document.volume_revision(),
+            document.renderer_name(),
+            file.render.options
+        ),
         answers: desk.answers.clone(),
         control,
     })

@@ -1,7 +1,7 @@
 //! Errors of edits, and of questions.
 
 use vr_core::{OptionError, ParameterError, RenderError};
-use vr_io::SceneFileError;
+use vr_io::{FileError, SceneFileError};
 
 /// Reason why an edit was refused; the scene stays as it was.
 #[derive(Debug, thiserror::Error)]
@@ -54,4 +54,13 @@ pub enum TruthError {
     /// The picture has no such pixel or cannot be drawn, the scene has no reference, or an edit has made the question stale.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// Labels that can no longer be read.
+    #[error(transparent)]
+    Labels(Box<FileError>),
+}
+
+impl From<FileError> for TruthError {
+    fn from(error: FileError) -> Self {
+        Self::Labels(Box::new(error))
+    }
 }

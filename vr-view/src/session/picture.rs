@@ -132,6 +132,8 @@ impl PictureError {
 /// Orientation and scale of a view.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Orientation {
+    /// World position of the eye.
+    pub eye: DVec3,
     /// World vector to the right in the picture.
     pub right: DVec3,
     /// World vector up in the picture.
@@ -154,6 +156,6 @@ impl Orientation {
             vr_core::Projection::Orthographic { .. } => None,
         };
         let (right, up, forward) = (frame.x_axis, frame.y_axis, frame.z_axis);
-        Self { right, up, forward, height: height_at_target(camera), fov }
+        Self { eye: camera.eye, right, up, forward, height: height_at_target(camera), fov }
     }
 }

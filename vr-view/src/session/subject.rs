@@ -1,10 +1,12 @@
 //! Subject: what is looked at, as it was opened.
 
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use vr_core::{Scene, StudiedRenderer, TriangleMesh};
-use vr_io::{LoadedVolume, SceneFile};
+use vr_io::{FileError, LoadedVolume, SceneFile};
+
+use super::label_look::{LabelFiles, LabelLooks};
 
 /// A volume and the scene around it, read and complete.
 pub struct Subject {
@@ -18,12 +20,45 @@ pub struct Subject {
     pub title: String,
     /// Notes on everything assumed, one line each.
     pub notes: Vec<String>,
+    /// The labels beside the volume, if there are any; read when a slice shows them.
+    pub labels: Labels,
+}
+
+/// Labels of a subject, read once and when they are first asked for.
+#[derive(Default)]
+pub struct Labels {
+    files: Option<LabelFiles>,
+    read: OnceLock<LabelLooks>,
+}
+
+impl From<LabelFiles> for Labels {
+    fn from(files: LabelFiles) -> Self {
+        Self { files: Some(files), read: OnceLock::new() }
+    }
 }
 
 impl Subject {
     /// Path that messages call the scene file by. Paths in it are absolute, so that no folder is needed.
     pub(super) fn path(&self) -> PathBuf {
         PathBuf::from("the scene")
+    }
+
+    /// True if the world is a patient's: x to the right side, y to the front, z to the head.
+    pub(super) fn is_patient(&self) -> bool {
+        self.volume.info.as_ref().is_some_and(|info| info.space.is_patient())
+    }
+
+    /// The labels; `None` where there are none.
+    ///
+    /// # Errors
+    /// Files that can no longer be read.
+    pub(super) fn label_looks(&self) -> Result<Option<&LabelLooks>, FileError> {
+        let Some(files) = &self.labels.files else { return Ok(None) };
+        if let Some(read) = self.labels.read.get() {
+            return Ok(Some(read));
+        }
+        let looks = LabelLooks::read(files, self.file.labels.as_ref())?;
+        Ok(Some(self.labels.read.get_or_init(|| looks)))
     }
 }
 

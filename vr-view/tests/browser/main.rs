@@ -428,6 +428,18 @@ fn a_curtain_shows_a_second_setting_at_rest() {
     choose(&mut browser, "second-quality", "proven");
     browser.wait("document.getElementById('second-text').textContent.includes('shearwarp cannot prove')");
     assert_eq!(browser.value("document.getElementById('second').hidden"), true);
+    // A click on the right side asks the second picture's pixel, one on the left side the first one's.
+    choose(&mut browser, "second-quality", "");
+    browser.wait(there);
+    for (x, name) in [(250.0, "shearwarp"), (60.0, "raycast")] {
+        browser.mouse("mousePressed", [x, 250.0], json!({"clickCount": 1, "modifiers": 1}));
+        browser.mouse("mouseReleased", [x, 250.0], json!({"clickCount": 1, "buttons": 0, "modifiers": 1}));
+        browser.wait(&format!("window.vr.ray.found?.renderer === {name:?}"));
+        let title = browser.value("document.getElementById('ray-title').textContent").as_str().unwrap().to_owned();
+        assert_eq!(title.contains("second picture"), name == "shearwarp", "{title}");
+        // The panel lies over the left side.
+        browser.key("Escape", 0);
+    }
     screenshots(&running, &mut browser, "curtain", |browser| {
         browser.key("c", 0);
         browser.wait(there);
@@ -444,6 +456,307 @@ fn a_curtain_shows_a_second_setting_at_rest() {
     assert_eq!(browser.value("window.vr.curtain.found === null && document.getElementById('divider').hidden"), true);
     let refused = |complaint: &String| complaint.contains("422");
     browser.complaints.retain(|complaint| !refused(complaint));
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+    running.end();
+}
+
+#[test]
+fn slices_go_with_a_crosshair() {
+    let Some((running, mut browser)) = opened("blobs") else { return };
+    let there = "window.vr.slices.views.every((v) => v.slice && v.slice.at === window.vr.slices.crosshair[v.axis]) && window.vr.slices.place !== null";
+    let crosshair = |browser: &mut Browser| {
+        let at = browser.value("window.vr.slices.crosshair");
+        [0, 1, 2].map(|k| at[k].as_f64().unwrap())
+    };
+    // A key opens them; the picture becomes narrower, and is still that of the saved scene.
+    browser.call(
+        "Emulation.setDeviceMetricsOverride",
+        json!({"width": 1100, "height": 640, "deviceScaleFactor": 1, "mobile": false}),
+    );
+    rest(&mut browser);
+    let before = picture(&mut browser);
+    browser.value("document.getElementById('picture').focus()");
+    browser.key("s", 0);
+    browser.wait(there);
+    settled(&mut browser, before);
+    assert_truth(&mut browser);
+    let overlap = "(() => { const [a, b] = ['picture', 'slices'].map((id) => document.getElementById(id).getBoundingClientRect()); return a.right > b.left; })()";
+    assert_eq!(browser.value(overlap), false);
+    assert_eq!(crosshair(&mut browser), [0.0; 3]);
+    // A click in the slice across z moves the crosshair within it, and asks for the two others alone.
+    let before = picture(&mut browser);
+    let kept = "window.vr.slices.views.map((v) => v.slice)";
+    browser.value(&format!("window.vr.kept = {kept}; 0"));
+    let at = browser.value("(() => { const b = document.getElementById('slice-2-canvas').getBoundingClientRect(); return [b.left + 0.75 * b.width, b.top + 0.25 * b.height]; })()");
+    let at = [at[0].as_f64().unwrap(), at[1].as_f64().unwrap()];
+    browser.mouse("mousePressed", at, json!({"clickCount": 1}));
+    browser.mouse("mouseReleased", at, json!({"clickCount": 1, "buttons": 0}));
+    browser.wait(there);
+    let bounds = browser.value("window.vr.slices.opened.bounds");
+    let end = |e: usize, k: usize| bounds[e][k].as_f64().unwrap();
+    let moved = crosshair(&mut browser);
+    for (k, share) in [(0, 0.75), (1, 0.75), (2, 0.5)] {
+        let want = end(0, k) + share * (end(1, k) - end(0, k));
+        assert!((moved[k] - want).abs() < 0.02 * (end(1, k) - end(0, k)), "{k}: {moved:?} {want}");
+    }
+    assert_eq!(browser.value(&format!("{kept}.map((s, i) => s === window.vr.kept[i])")), json!([true, false, false]));
+    // The program tells the value there, and the picture shows the place: three lines, and a mark where they meet.
+    let told = "window.vr.slices.place.at.every((c, k) => c === window.vr.slices.crosshair[k])";
+    browser.wait(told);
+    let words = browser.value("document.getElementById('slices-text').textContent").as_str().unwrap().to_owned();
+    assert!(words.starts_with("value ") && words.contains(" at "), "{words}");
+    assert_eq!(number(&mut browser, "document.querySelectorAll('#overlay .crosshair line').length"), 3.0);
+    assert_eq!(picture(&mut browser), before, "no picture is drawn anew for that");
+    // The mark lies where the program's own camera sees the place.
+    let text = browser.value("fetch('save/scene.toml').then((answer) => answer.text())");
+    let camera = vr_io::parse_scene(text.as_str().unwrap(), std::path::Path::new("saved")).unwrap().camera.unwrap();
+    let camera = camera.camera(|_| unreachable!("all of it is stated")).unwrap();
+    let local = camera.frame().unwrap().transpose() * (glam::DVec3::from_array(moved) - camera.eye);
+    let size = browser
+        .value("[document.getElementById('picture').clientWidth, document.getElementById('picture').clientHeight]");
+    let [width, height] = [0, 1].map(|i| size[i].as_f64().unwrap());
+    let want = [
+        width / 2.0 + local.x / camera.projection.height() * height,
+        height / 2.0 - local.y / camera.projection.height() * height,
+    ];
+    let mark = ["cx", "cy"].map(|key| {
+        number(&mut browser, &format!("Number(document.querySelector('#overlay .cross-middle').getAttribute('{key}'))"))
+    });
+    assert!((mark[0] - want[0]).hypot(mark[1] - want[1]) < 0.01, "{mark:?} {want:?}");
+    // The wheel steps through, keys go within and through.
+    let step = number(&mut browser, "window.vr.slices.opened.steps[2]");
+    browser.mouse("mouseWheel", at, json!({"deltaX": 0, "deltaY": -40, "button": "none", "buttons": 0}));
+    browser.wait(there);
+    assert!((crosshair(&mut browser)[2] - moved[2] - step).abs() < 1e-9);
+    browser.value("document.getElementById('slice-2-canvas').focus()");
+    browser.key("PageDown", 0);
+    browser.key("ArrowLeft", 0);
+    browser.key("ArrowUp", 0);
+    browser.wait(there);
+    let now = crosshair(&mut browser);
+    let steps = [moved[0] - step, moved[1] + step, moved[2]];
+    assert!((0..3).all(|k| (now[k] - steps[k]).abs() < 1e-9), "{now:?} {steps:?}");
+    // Pixels are the program's values by window and level; a drag with the right button changes both.
+    let gray = "(() => { const v = window.vr.slices.views[0]; const [w, h] = v.slice.size; const [low, high] = window.vr.slices.window; \
+                const d = v.canvas.getContext('2d').getImageData(0, 0, w, h).data; let worst = 0; \
+                v.slice.values.forEach((value, i) => { const want = Math.min(Math.max((255 * (value - low)) / (high - low), 0), 255); worst = Math.max(worst, Math.abs(d[4 * i] - want)); }); return worst; })()";
+    assert!(number(&mut browser, gray) <= 1.0);
+    let window = browser.value("window.vr.slices.window");
+    browser.drag(at, [at[0] + 30.0, at[1] + 20.0], 5, "right");
+    let other = browser.value("window.vr.slices.window");
+    let [width_before, width_after] = [&window, &other].map(|w| w[1].as_f64().unwrap() - w[0].as_f64().unwrap());
+    assert!(width_after > 1.2 * width_before, "{window} {other}");
+    assert!(number(&mut browser, gray) <= 1.0);
+    assert_eq!(crosshair(&mut browser), now, "that moves no crosshair");
+    browser.value("document.getElementById('slices-window').click()");
+    assert_eq!(browser.value("window.vr.slices.window"), window);
+    // The value under the pointer is said.
+    browser.mouse("mouseMoved", at, json!({"button": "none", "buttons": 0}));
+    browser.wait("document.getElementById('slice-2-caption').textContent !== ''");
+    // The mark goes where it is not wanted; the same key closes them all.
+    browser.value("document.getElementById('slices-mark').click()");
+    assert_eq!(number(&mut browser, "document.querySelectorAll('#overlay .crosshair').length"), 0.0);
+    screenshots(&running, &mut browser, "slices", |browser| {
+        browser.key("s", 0);
+        browser.wait(there);
+    });
+    if browser.value("window.vr.slices.isOpen") == true {
+        browser.value("document.getElementById('slices-toggle').click()");
+    }
+    assert_eq!(browser.value("document.getElementById('slices').hidden"), true);
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+    running.end();
+}
+
+/// Small files of a grid, of points, of a mesh of cells and of an adaptive grid; returns their names.
+fn small_files(folder: &std::path::Path) -> [&'static str; 4] {
+    let write = |name: &str, text: String| std::fs::write(folder.join(name), text).unwrap();
+    std::fs::write(folder.join("grid.nrrd"), common::nrrd(1.0)).unwrap();
+    // Points on a lattice, with a radius and a value each.
+    let rows: String = (0..64).map(|i| format!("{},{},{},1.2,{}\n", i % 4, i / 4 % 4, i / 16, 1 + i % 5)).collect();
+    write("points.csv", format!("x,y,z,h,Temperature\n{rows}"));
+    // Two tetrahedra on a common face.
+    let mesh = "# vtk DataFile Version 3.0\ncells\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 float\n0 0 0  2 0 0  0 2 0  0 0 2  2 2 2\n\
+                CELLS 2 10\n4 0 1 2 3\n4 1 2 3 4\nCELL_TYPES 2\n10 10\nPOINT_DATA 5\nSCALARS f float 1\nLOOKUP_TABLE default\n0 1 2 3 4\n";
+    write("cells.vtk", mesh.to_owned());
+    // 4×4×2 cells, of which the half on the left is refined by two.
+    write(
+        "adaptive.vthb",
+        "<VTKFile type=\"vtkOverlappingAMR\" version=\"1.1\"><vtkOverlappingAMR origin=\"0 0 0\" grid_description=\"XYZ\">\n\
+         <Block level=\"0\" spacing=\"1 1 1\"><DataSet index=\"0\" amr_box=\"0 3 0 3 0 1\" file=\"parts/0.vti\"/></Block>\n\
+         <Block level=\"1\" spacing=\"0.5 0.5 0.5\"><DataSet index=\"0\" amr_box=\"0 3 0 7 0 3\" file=\"parts/1.vti\"/></Block>\n\
+         </vtkOverlappingAMR></VTKFile>\n"
+            .to_owned(),
+    );
+    std::fs::create_dir(folder.join("parts")).unwrap();
+    for (name, spacing, n) in [("parts/0.vti", 1.0, [4, 4, 2]), ("parts/1.vti", 0.5, [4, 8, 4])] {
+        let count = n[0] * n[1] * n[2];
+        let values: String =
+            (0..count).map(|i| format!("{} ", spacing * (i % n[0]) as f64 + (i / n[0] % n[1]) as f64)).collect();
+        let extent = format!("0 {} 0 {} 0 {}", n[0], n[1], n[2]);
+        write(
+            name,
+            format!(
+                "<VTKFile type=\"ImageData\" version=\"1.0\"><ImageData WholeExtent=\"{extent}\" Origin=\"0 0 0\" Spacing=\"{spacing} {spacing} {spacing}\">\
+                 <Piece Extent=\"{extent}\"><PointData/><CellData><DataArray type=\"Float64\" Name=\"f\">{values}</DataArray></CellData></Piece></ImageData></VTKFile>\n"
+            ),
+        );
+    }
+    ["grid.nrrd", "points.csv", "cells.vtk", "adaptive.vthb"]
+}
+
+#[test]
+fn any_kind_of_volume_is_opened_from_the_page_and_undone() {
+    let Some(mut browser) = Browser::start() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let names = small_files(folder.path());
+    let running = Running::opening(document("blobs", 16, [64, 64]), Some(folder.path()), 1 << 20);
+    browser.open(&format!("http://{}/{}/", running.address, running.token), SIZE, "dark");
+    rest(&mut browser);
+    browser.wait("window.vr.open.listing?.files.length === 6");
+    let title = |browser: &mut Browser| browser.value("document.getElementById('title').textContent");
+    let slices =
+        "window.vr.slices.views.every((v) => v.slice && !v.waits && v.slice.values.some((n) => !Number.isNaN(n)))";
+    browser.value("document.getElementById('slices-toggle').click()");
+    browser.wait(slices);
+    for name in names {
+        // By its path; the picture at rest is that of the saved scene, which names the file.
+        let before = picture(&mut browser);
+        browser.value(&format!(
+            "(() => {{ document.getElementById('open-path').value = {name:?}; document.getElementById('open-form').requestSubmit(); }})()"
+        ));
+        browser.wait(&format!("document.getElementById('title').textContent === {name:?}"));
+        settled(&mut browser, before);
+        browser.value("window.vr.send({ kind: 'automatic-look' })");
+        let before = picture(&mut browser);
+        settled(&mut browser, before);
+        assert_truth(&mut browser);
+        // Slices are of the new volume, and so is the curve.
+        browser.wait(slices);
+        let same = "window.vr.slices.views.map((v) => { const { size: [w, h], values, corner, right, down } = v.slice; \
+                    const i = values.findIndex((n) => !Number.isNaN(n)); const [s, t] = [((i % w) + 0.5) / w, (Math.floor(i / w) + 0.5) / h]; \
+                    const [x, y, z] = corner.map((c, k) => c + right[k] * s + down[k] * t); \
+                    return fetch(`place?${new URLSearchParams({ x, y, z })}`).then((a) => a.json()).then((p) => [values[i], Math.fround(p.value)]); })";
+        let pairs = browser.value(&format!("Promise.all({same})"));
+        for pair in pairs.as_array().unwrap() {
+            let [shown, told] = [0, 1].map(|i| pair[i].as_f64().unwrap());
+            assert!((shown - told).abs() <= 1e-5 * told.abs().max(1.0), "{name}: {pairs}");
+        }
+        let text = browser.value("document.getElementById('open-text').textContent").as_str().unwrap().to_owned();
+        assert!(text.starts_with(name), "{text}");
+    }
+    // Undo comes back to the file before.
+    let before = picture(&mut browser);
+    browser.value("window.vr.send({ kind: 'undo' }); window.vr.send({ kind: 'undo' })");
+    browser.wait("document.getElementById('title').textContent === 'cells.vtk'");
+    settled(&mut browser, before);
+    assert_truth(&mut browser);
+    // A path that leads out is refused in words, and changes nothing.
+    browser.value("(() => { document.getElementById('open-path').value = '../x'; document.getElementById('open-form').requestSubmit(); })()");
+    browser.wait("document.getElementById('toast').textContent.includes('--folder')");
+    assert_eq!(title(&mut browser), "cells.vtk");
+    // A file that is chosen is sent in pieces.
+    let document = browser.call("DOM.getDocument", json!({}))["root"]["nodeId"].clone();
+    let input =
+        browser.call("DOM.querySelector", json!({"nodeId": document, "selector": "#open-files"}))["nodeId"].clone();
+    let path = folder.path().join("grid.nrrd");
+    browser.call("DOM.setFileInputFiles", json!({"nodeId": input, "files": [path]}));
+    browser.wait("document.getElementById('title').textContent === 'grid.nrrd'");
+    rest(&mut browser);
+    // One that is dropped, too; rubbish is said.
+    let drop = |browser: &mut Browser, name: &str, text: &str| {
+        browser.value(&format!(
+            "(() => {{ const t = new DataTransfer(); t.items.add(new File([{text:?}], {name:?})); \
+             window.dispatchEvent(new DragEvent('drop', {{ dataTransfer: t, cancelable: true }})); }})()"
+        ));
+    };
+    drop(&mut browser, "dropped.csv", "x,y,z,h,Temperature\n0,0,0,1,1\n1,1,1,1,2\n");
+    browser.wait("document.getElementById('title').textContent === 'dropped.csv'");
+    rest(&mut browser);
+    drop(&mut browser, "rubbish.nrrd", "no volume");
+    browser.wait("document.getElementById('toast').textContent.startsWith('rubbish.nrrd: ')");
+    assert_eq!(title(&mut browser), "dropped.csv");
+    browser.value("document.getElementById('section-open').open = true");
+    screenshots(&running, &mut browser, "open", |browser| {
+        browser.value("document.getElementById('panel').inert && document.getElementById('panel-toggle').click(); document.getElementById('section-open').open = true; document.getElementById('section-open').scrollIntoView()");
+    });
+    browser.complaints.retain(|complaint| !complaint.contains("403") && !complaint.contains("422"));
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+    running.end();
+}
+
+#[test]
+fn what_is_under_the_pointer_is_marked_in_the_curve() {
+    let Some((running, mut browser)) = opened("hydrogen") else { return };
+    let hover =
+        |browser: &mut Browser, at: [f64; 2]| browser.mouse("mouseMoved", at, json!({"button": "none", "buttons": 0}));
+    let at = [150.0, 190.0];
+    let before = picture(&mut browser);
+    hover(&mut browser, at);
+    browser.wait("window.vr.curve.marked !== null");
+    assert_eq!(number(&mut browser, "document.querySelectorAll('#curve .mark').length"), 1.0);
+    let value = number(&mut browser, "window.vr.curve.marked");
+    let words = browser.value("document.getElementById('status-pick').textContent").as_str().unwrap().to_owned();
+    assert!(words.ends_with("under the pointer"), "{words}");
+    // It is a value that the ray meets.
+    browser.mouse("mousePressed", at, json!({"clickCount": 1, "modifiers": 1}));
+    browser.mouse("mouseReleased", at, json!({"clickCount": 1, "buttons": 0, "modifiers": 1}));
+    browser.wait("window.vr.ray.found !== null");
+    let met = browser.value("(() => { const all = window.vr.ray.found.parts.flatMap((p) => p.values ?? []); return [Math.min(...all), Math.max(...all)]; })()");
+    let [low, high] = [0, 1].map(|i| met[i].as_f64().unwrap());
+    assert!(low - 1e-3 <= value && value <= high + 1e-3, "{value} {met}");
+    browser.key("Escape", 0);
+    assert_eq!(picture(&mut browser), before, "nothing is drawn anew for that");
+    // Away from the picture, the mark goes.
+    hover(&mut browser, [600.0, 300.0]);
+    browser.wait("window.vr.curve.marked === null && document.querySelectorAll('#curve .mark').length === 0");
+    // A click with Alt brings the crosshair of the slices to what is seen.
+    let before = picture(&mut browser);
+    browser.value("document.getElementById('slices-toggle').click()");
+    settled(&mut browser, before);
+    let from = browser.value("window.vr.slices.crosshair");
+    let at = browser.value("(() => { const b = document.getElementById('picture').getBoundingClientRect(); return [b.left + 0.45 * b.width, b.top + 0.45 * b.height]; })()");
+    let at = [at[0].as_f64().unwrap(), at[1].as_f64().unwrap()];
+    browser.mouse("mousePressed", at, json!({"clickCount": 1, "modifiers": 1}));
+    browser.mouse("mouseReleased", at, json!({"clickCount": 1, "buttons": 0, "modifiers": 1}));
+    browser.wait(&format!("JSON.stringify(window.vr.slices.crosshair) !== JSON.stringify({from})"));
+    // It is seen where the click was.
+    browser.wait("document.querySelector('#overlay .cross-middle') !== null");
+    let mark = ["cx", "cy"].map(|key| {
+        number(&mut browser, &format!("Number(document.querySelector('#overlay .cross-middle').getAttribute('{key}'))"))
+    });
+    assert!((mark[0] - at[0]).hypot(mark[1] - at[1]) < 1.5, "{mark:?} {at:?}");
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+    running.end();
+}
+
+#[test]
+fn opacity_follows_the_gradient_by_a_slider() {
+    let Some((running, mut browser)) = opened("blobs") else { return };
+    let before = picture(&mut browser);
+    browser.value("document.getElementById('shaded').checked || document.getElementById('shaded').click()");
+    settled(&mut browser, before);
+    let (_, plain, ..) = shown_and_saved(&mut browser);
+    let set = |browser: &mut Browser, share: &str| {
+        browser.value(&format!(
+            "(() => {{ const i = document.getElementById('edges'); i.value = {share}; i.dispatchEvent(new Event('input')); i.dispatchEvent(new Event('change')); }})()"
+        ));
+    };
+    let before = picture(&mut browser);
+    set(&mut browser, "0.4");
+    browser.wait(&format!("window.vr.status.head.picture > {before} && window.vr.rests"));
+    rest(&mut browser);
+    let (_, edges, _, saved) = shown_and_saved(&mut browser);
+    assert!(edges == saved && edges != plain, "the picture is that of the saved scene, and another than before");
+    let text = browser.value("fetch('save/scene.toml').then((answer) => answer.text())");
+    assert!(text.as_str().unwrap().contains("gradient_opacity"), "{text}");
+    // Nothing is added: what is flat fades.
+    let light = |bytes: &[u8]| bytes.iter().map(|&b| u64::from(b)).sum::<u64>();
+    assert!(light(&edges) < light(&plain));
+    let before = picture(&mut browser);
+    set(&mut browser, "0");
+    settled(&mut browser, before);
+    assert!(shown_and_saved(&mut browser).1 == plain);
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
     running.end();
 }

@@ -1,5 +1,6 @@
 //! Scenes, sessions and clients of the tests.
 
+use std::error::Error;
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
@@ -8,15 +9,21 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use glam::DVec3;
 use tungstenite::client::IntoClientRequest;
 use tungstenite::protocol::WebSocket;
-use vr_core::{Control, Frame, StudiedRenderer};
-use vr_io::{LoadedScene, SceneFile, VolumeSource};
+use vr_core::amr::{AmrBlock, AmrCentring, AmrGrid};
+use vr_core::rectilinear::Centering;
+use vr_core::{
+    Calibration, CellMesh, Control, Filter, Frame, GridVolume, Placement, PointKernel, PointSet, RectilinearGrid,
+    StudiedRenderer, UniformGrid, Volume,
+};
+use vr_io::{FileSource, LoadedScene, LoadedVolume, SceneFile, VolumeSource};
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
 use vr_study::stated::StatedRenderer;
-use vr_view::server::{Server, ServerError};
-use vr_view::session::{Document, Output, PROVEN, Picture, RendererList, Session, Stage, Subject};
+use vr_view::server::{Opening, Server, ServerError};
+use vr_view::session::{Document, Labels, Output, PROVEN, Picture, RendererList, Session, Stage, Subject};
 
 /// Time after which a test gives up: many times what anything here takes.
 pub const PATIENCE: Duration = Duration::from_secs(60);
@@ -30,13 +37,81 @@ pub fn renderers() -> RendererList {
 pub fn phantom(name: &str, size: usize, pixels: [u32; 2]) -> Subject {
     let mut file = SceneFile::default();
     file.volume.source = Some(VolumeSource::Phantom { name: name.to_owned(), size: Some(size) });
-    file.image.size = pixels;
     let volume = vr_io::load_volume(&file.volume, Path::new("")).unwrap();
+    let mut subject = around(file, volume, pixels);
+    (subject.title, subject.notes) = (format!("phantom {name}"), vec!["a note".to_owned()]);
+    subject
+}
+
+/// A volume from no file, drawn likewise.
+pub fn subject_of(volume: Volume, pixels: [u32; 2]) -> Subject {
+    let volume = LoadedVolume { volume, info: None, transfer: None, notes: Vec::new() };
+    around(SceneFile::default(), volume, pixels)
+}
+
+/// Reads a file as `vr view` does; its title has the whole path.
+pub fn read(path: &Path) -> Result<Subject, Box<dyn Error + Send + Sync>> {
+    let mut file = SceneFile::default();
+    file.volume.source = Some(VolumeSource::File(FileSource { path: path.into(), ..FileSource::default() }));
+    let volume = vr_io::load_volume(&file.volume, Path::new(""))?;
+    let subject = around(file, volume, [32, 24]);
+    Ok(Subject { title: path.display().to_string(), ..subject })
+}
+
+/// A grid as NRRD: 8×8×8 voxels of a sum of waves, all of them times a factor.
+pub fn nrrd(factor: f32) -> Vec<u8> {
+    let wave =
+        |i: usize| factor * ((0.9 * (i % 8) as f32).sin() + (0.7 * (i / 8 % 8) as f32).cos() + 0.1 * (i / 64) as f32);
+    let head = "NRRD0005\ntype: float\ndimension: 3\nsizes: 8 8 8\nspacings: 1 1 1\nendian: little\nencoding: raw\n\n";
+    head.bytes().chain((0..512).flat_map(|i| wave(i).to_le_bytes())).collect()
+}
+
+/// The subject of a scene file around its volume.
+fn around(mut file: SceneFile, volume: LoadedVolume, pixels: [u32; 2]) -> Subject {
+    file.image.size = pixels;
     let loaded = vr_io::resolve_scene_around(&file, Path::new(""), volume.clone()).unwrap();
     let stated = StatedRenderer::of(&RayCaster::default(), Some(PROVEN));
     let file = file.completed(&loaded.unlabelled, None, &loaded.view, None);
     let file = file.drawn_by(&stated.name, stated.options, stated.max_error);
-    Subject { file, volume, mesh: None, title: format!("phantom {name}"), notes: vec!["a note".to_owned()] }
+    Subject { file, volume, mesh: None, title: String::new(), notes: Vec::new(), labels: Labels::default() }
+}
+
+pub fn of_volume(volume: Volume, pixels: [u32; 2]) -> Document {
+    Document::new(Arc::new(subject_of(volume, pixels)), Arc::new(renderers())).unwrap()
+}
+
+/// A volume of every kind.
+pub fn kinds() -> Vec<(&'static str, Volume)> {
+    let grid = |spacing: [f64; 3], n: usize| {
+        let wave =
+            |i: usize| (0.7 * (i % n) as f64).sin() + (0.4 * (i / n % n) as f64).cos() - 0.1 * (i / n / n) as f64;
+        let voxels: Vec<f32> = (0..n * n * n).map(|i| wave(i) as f32).collect();
+        let placement = Placement::from_spacing(spacing).unwrap();
+        UniformGrid::new([n; 3], voxels, placement, Calibration { slope: 3.0, intercept: 1.0 }).unwrap()
+    };
+    let mesh = CellMesh::of_grid(&GridVolume::new(grid([1.0; 3], 5).into(), Filter::Trilinear)).unwrap();
+    let positions: Vec<DVec3> =
+        (0..60).map(|i| DVec3::new((i % 4) as f64, (i / 4 % 4) as f64, (i / 16) as f64)).collect();
+    let values = (0..60).map(|i| 1.0 + (i % 7) as f32).collect();
+    let points = PointSet::new(positions, vec![1.1; 60], vec![1.0; 60], values, PointKernel::CubicSpline).unwrap();
+    let axes = [vec![0.0, 1.0, 3.0, 4.0], vec![0.0, 0.5, 2.0], vec![0.0, 2.0, 3.0]];
+    let uneven = RectilinearGrid::new(axes, (0..36).map(|i| (i * i % 11) as f32).collect(), Centering::Points).unwrap();
+    let block = |level, first, dims: [usize; 3]| AmrBlock {
+        level,
+        first,
+        dims,
+        values: (0..dims.iter().product()).map(|i: usize| (i * 7 % 13) as f32).collect(),
+    };
+    let blocks = vec![block(0, [0; 3], [4; 3]), block(1, [0; 3], [4, 8, 8])];
+    let amr = AmrGrid::new(DVec3::ZERO, DVec3::ONE, vec![[2; 3]], blocks, AmrCentring::Cells).unwrap();
+    vec![
+        ("grid", grid([1.0; 3], 12).into()),
+        ("uneven grid", grid([1.0, 2.0, 3.0], 8).into()),
+        ("points", points.into()),
+        ("mesh of cells", mesh.into()),
+        ("rectilinear grid", uneven.into()),
+        ("adaptive grid", amr.into()),
+    ]
 }
 
 pub fn document(name: &str, size: usize, pixels: [u32; 2]) -> Document {
@@ -124,7 +199,16 @@ pub type Client = WebSocket<TcpStream>;
 
 impl Running {
     pub fn new(document: Document, stay: bool) -> Self {
-        let server = Server::bind(Server::USUAL).unwrap();
+        Self::serving(Server::bind(Server::USUAL).unwrap(), document, stay)
+    }
+
+    /// One that opens other files: below a folder, and of so many bytes from the page.
+    pub fn opening(document: Document, folder: Option<&Path>, max_upload: u64) -> Self {
+        let opening = Opening { folder: folder.map(Path::to_owned), max_upload, read: Box::new(read) };
+        Self::serving(Server::bind(Server::USUAL).unwrap().with_opening(opening).unwrap(), document, true)
+    }
+
+    fn serving(server: Server, document: Document, stay: bool) -> Self {
         let url = server.url();
         let rest = url.strip_prefix("http://").unwrap();
         let (address, token) = rest.split_once('/').unwrap();
@@ -136,9 +220,16 @@ impl Running {
 
     /// Sends the lines of a request as they are, and reads all of the answer.
     pub fn request(&self, lines: &str) -> Answer {
+        self.request_with(lines, &[])
+    }
+
+    /// The same with a body.
+    pub fn request_with(&self, lines: &str, body: &[u8]) -> Answer {
         let mut stream = TcpStream::connect(&self.address).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
         write!(stream, "{}\r\nConnection: close\r\n\r\n", lines.replace('\n', "\r\n")).unwrap();
+        // The server may answer before it has read all.
+        let _ = stream.write_all(body);
         let mut bytes = Vec::new();
         stream.read_to_end(&mut bytes).unwrap();
         let end = bytes.windows(4).position(|w| w == b"\r\n\r\n").expect("an answer has a head");
@@ -150,6 +241,15 @@ impl Running {
     /// A plain `GET` of a path after the token.
     pub fn get(&self, path: &str) -> Answer {
         self.request(&format!("GET /{}/{path} HTTP/1.1\nHost: {}", self.token, self.address))
+    }
+
+    /// A `POST` of bytes to a path after the token, as the page does it.
+    pub fn post(&self, path: &str, body: &[u8]) -> Answer {
+        let (token, address, length) = (&self.token, &self.address, body.len());
+        let lines = format!(
+            "POST /{token}/{path} HTTP/1.1\nHost: {address}\nOrigin: http://{address}\nContent-Length: {length}"
+        );
+        self.request_with(&lines, body)
     }
 
     /// Opens a socket from an origin.

@@ -75,7 +75,8 @@ fn nothing_is_told_without_the_token() {
     for method in ["POST", "PUT", "DELETE", "OPTIONS"] {
         let answer =
             running.request(&format!("{method} /{}/ HTTP/1.1\nHost: {host}\nContent-Length: 0", running.token));
-        assert_eq!(answer.status, 405, "{method}");
+        // What may change something says where it comes from, or is refused for that.
+        assert_eq!(answer.status, if method == "OPTIONS" { 405 } else { 403 }, "{method}");
     }
     // Only files of the page are files.
     for path in ["../Cargo.toml", "%2e%2e/Cargo.toml", "..%2fCargo.toml", "etc/passwd", "save/../app.js", "app.js/"] {

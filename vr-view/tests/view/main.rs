@@ -3,5 +3,7 @@
 mod common;
 mod document;
 mod hostile;
+mod opening;
 mod serving;
 mod session;
+mod slices;
