@@ -66,7 +66,7 @@
 //! of a step with a kink in it is of order 2, too.
 //!
 //! No step goes below the floor: rounding in f32 (about 10⁻⁵ of the largest pixel, positions included), the table
-//! ([`vr_kernels::tables::BakedTransfer::error`]) and early termination (10⁻⁴ by default). [`RayCaster::exact`] has none of
+//! ([`vr_kernels::tables::TableError`]) and early termination (10⁻⁴ by default). [`RayCaster::exact`] has none of
 //! them; its floor is that of a frame, which holds f32.
 //!
 //! A feature between two samples is missed: a shell thinner than a step, a crossing there and back. The largest errors on the hard

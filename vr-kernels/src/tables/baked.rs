@@ -25,11 +25,10 @@ pub struct BakedTransfer<R> {
     origin: R,
     per_unit: R,
     last: R,
-    error: TableError,
     resolves: bool,
 }
 
-/// Largest deviation of a table from the transfer function, at any stored number, apart from the rounding of its rows.
+/// Largest deviation of a [`BakedTransfer`] from the transfer function, at any stored number, apart from the rounding of its rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TableError {
     /// Largest deviation of a step's opacity.
@@ -39,6 +38,22 @@ pub struct TableError {
     /// Stored units by which the table moves a jump of the transfer function (and between the two places the deviations above do
     /// not hold); 0 where all of them lie on entries.
     pub jump_shift: f64,
+}
+
+impl TableError {
+    /// Bounds the error of the table that [`BakedTransfer::new`] makes of the same arguments. This takes several times as long as the table, and no
+    /// picture needs it.
+    pub fn of(
+        transfer: &TransferFunction,
+        calibration: Calibration,
+        range: (f32, f32),
+        integer: bool,
+        step: f64,
+    ) -> Self {
+        let grid = TableGrid::new(transfer, calibration, range, integer);
+        let rows = grid.rows(transfer, calibration, |at| transfer.step_of(at, step));
+        table_error(transfer, calibration, &grid, &rows[..grid.intervals()], step)
+    }
 }
 
 impl<R: Real> BakedTransfer<R> {
@@ -52,13 +67,10 @@ impl<R: Real> BakedTransfer<R> {
     ) -> Self {
         let grid = TableGrid::new(transfer, calibration, range, integer);
         let intervals = grid.intervals();
-        let row = |at: &Optical| transfer.step_of(at, step);
-        let interval = |i: usize| grid.ends(transfer, calibration, i).map(|end| row(&end));
-        let exact: Vec<[[f64; 4]; 2]> = (0..=intervals).map(interval).collect();
-        let error = table_error(transfer, calibration, &grid, &exact[..intervals], step);
         let rounded = |row: [f64; 4]| row.map(R::from_f64);
-        let rows: Vec<[[R; 4]; 2]> = exact.iter().map(|ends| ends.map(rounded)).collect();
-        let walls = lone_walls(transfer, calibration).into_iter().map(|(at, wall)| (at, rounded(row(&wall)))).collect();
+        let row = |at: &Optical| rounded(transfer.step_of(at, step));
+        let rows: Vec<[[R; 4]; 2]> = grid.rows(transfer, calibration, row);
+        let walls = lone_walls(transfer, calibration).into_iter().map(|(at, wall)| (at, row(&wall))).collect();
         // Count the intervals that are not clear, so that a range of them is judged by one difference.
         let mut visible = vec![0];
         for row in &rows {
@@ -67,12 +79,7 @@ impl<R: Real> BakedTransfer<R> {
         let origin = R::from_f64(grid.origin());
         let per_unit = per_unit(&grid, calibration, origin);
         let resolves = resolves_ramps(grid.spacing().abs(), calibration, transfer);
-        Self { grid, rows, walls, visible, origin, per_unit, last: R::from_f64(intervals as f64), error, resolves }
-    }
-
-    /// Error that the table adds.
-    pub fn error(&self) -> TableError {
-        self.error
+        Self { grid, rows, walls, visible, origin, per_unit, last: R::from_f64(intervals as f64), resolves }
     }
 
     /// True if the entries lie close enough together to tell apart all that the transfer function does: else it must be evaluated.
@@ -240,14 +247,15 @@ mod tests {
                 let t = TransferFunction::new(vec![p(0.1, 0.0), p(0.35, 0.9), p(0.6, 0.2), p(0.93, 1.0)], rule, 0.7)
                     .unwrap();
                 let table = BakedTransfer::<f64>::new(&t, Calibration::default(), (0.0, 1.0), false, 0.31);
+                let error = TableError::of(&t, Calibration::default(), (0.0, 1.0), false, 0.31);
                 // The logarithm at α = 1 is what a chord follows worst.
-                assert!(table.error().opacity < 4e-2 && table.error().jump_shift == 0.0, "{:?}", table.error());
+                assert!(error.opacity < 4e-2 && error.jump_shift == 0.0, "{error:?}");
                 for i in 0..=100_000 {
                     let v = f64::from(i) / 1e5;
                     let (got, want) = (table.step(v), exact(&t, v, 0.31));
-                    assert!((got[3] - want[3]).abs() <= table.error().opacity + 1e-15, "{rule:?} {v}");
+                    assert!((got[3] - want[3]).abs() <= error.opacity + 1e-15, "{rule:?} {v}");
                     for c in 0..3 {
-                        assert!((got[c] - want[c]).abs() <= table.error().light + 1e-15, "{rule:?} {emits} {v}");
+                        assert!((got[c] - want[c]).abs() <= error.light + 1e-15, "{rule:?} {emits} {v}");
                     }
                 }
             }

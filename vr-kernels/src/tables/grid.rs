@@ -96,6 +96,22 @@ impl TableGrid {
         ends
     }
 
+    /// Rows of a table: `row` of the properties at both ends of each interval, and of an interval of no length after the last.
+    pub(crate) fn rows<T: Copy>(
+        &self,
+        transfer: &TransferFunction,
+        calibration: Calibration,
+        row: impl Fn(&Optical) -> T,
+    ) -> Vec<[T; 2]> {
+        // Where one interval ends the next begins, mostly with the same properties: a row, with its exponential or logarithm, is made once.
+        let mut before: Option<(Optical, T)> = None;
+        let mut shared = |at: Optical| match before {
+            Some((same, row)) if same == at => row,
+            _ => before.insert((at, row(&at))).1,
+        };
+        (0..=self.intervals).map(|i| self.ends(transfer, calibration, i).map(&mut shared)).collect()
+    }
+
     /// The properties at a stored number as an interval has them: those of the stretch between two breaks that it belongs to.
     pub(crate) fn optical(
         &self,
@@ -230,6 +246,26 @@ mod tests {
         let odd = Calibration { slope: 0.3, intercept: 0.1 };
         assert!(lone_walls::<f32>(&tent(OpacityRule::Power), odd).is_empty());
         assert!(lone_walls::<f32>(&tent(OpacityRule::Extinction), Calibration::default()).is_empty());
+    }
+
+    #[test]
+    fn rows_are_those_of_both_ends() {
+        let point = |value, opacity| ControlPoint::new(value, [0.5, 0.01 * value, 0.2], opacity);
+        let tent = [(0.5, 0.0), (20.0, 1.0), (30.5, 0.0), (30.5, 0.4), (50.0, 0.4)].map(|(v, a)| point(v, a));
+        let tent = TransferFunction::new(tent.to_vec(), OpacityRule::Power, 1.0).unwrap();
+        for (transfer, slope) in [(jumps(&[2.5, 7.25]), 1.0), (jumps(&[0.1, 17.7]), -1.0), (tent, 1.0)] {
+            let calibration = Calibration { slope, intercept: 0.0 };
+            let (grid, made) = (grid(&transfer, slope, false), std::cell::Cell::new(0));
+            let rows = grid.rows(&transfer, calibration, |at| {
+                made.set(made.get() + 1);
+                *at
+            });
+            let ends = (0..=grid.intervals()).map(|i| grid.ends(&transfer, calibration, i));
+            assert!(ends.eq(rows.iter().copied()) && rows.len() == grid.intervals() + 1);
+            // One each place, and those of the other side of a break or of a value of opacity 1.
+            let most = grid.intervals() + 1 + 2 * transfer.points().len();
+            assert!(made.get() <= most, "{} rows of {most}", made.get());
+        }
     }
 
     #[test]

@@ -36,9 +36,9 @@ impl OpticsTable {
             let [r, g, b] = light(at);
             [r, g, b, (transfer.extinction(at.opacity) * step).min(OPAQUE)].map(|x| x as f32)
         };
-        let rows = (0..=grid.intervals()).map(|i| grid.ends(transfer, calibration, i).map(|end| row(&end)));
+        let rows = grid.rows(transfer, calibration, row);
         let walls = lone_walls(transfer, calibration).into_iter().map(|(at, wall)| (at, row(&wall)));
-        Self { rows: rows.collect(), walls: walls.collect(), origin: table.origin(), per_unit: table.per_unit(), emits }
+        Self { rows, walls: walls.collect(), origin: table.origin(), per_unit: table.per_unit(), emits }
     }
 
     /// The rows, for look-ups.

@@ -64,13 +64,6 @@ fn the_reference_passes_its_own_checks() {
     for report in [tame, any] {
         assert_eq!((report.refused, report.skipped), (0, 0), "{report}");
     }
-    use invariants::*;
-    let (slack, few) = (4.0 * FRAME_ROUNDING, effort(16));
-    let check = |result: Result<Report, CheckFailure>| println!("{}", result.unwrap());
-    check(stays_in_range(&reference, slack, &few));
-    check(is_linear_in_emission(&reference, slack, &few));
-    check(ignores_threads(&reference, &few));
-    check(forgets_earlier_frames(&reference, &few));
     println!("{}", survives_hard_cases(&reference, |_| FRAME_ROUNDING, &reference).unwrap());
 }
 
@@ -82,7 +75,41 @@ fn the_reference_passes_with_the_gaussian_filter_too() {
         t
     });
     agrees_with_reference_on(&reference, gaussian, |_, _| FRAME_ROUNDING, &effort(64)).unwrap();
-    obeys_invariants(&reference, 4.0 * FRAME_ROUNDING, &effort(64)).unwrap();
+}
+
+/// What invariants of the reference may be off by.
+const INVARIANT_SLACK: f64 = 4.0 * FRAME_ROUNDING;
+
+#[test]
+fn the_reference_stays_in_range_and_is_linear_in_emission() {
+    let reference = Reference::default();
+    println!("{}", invariants::stays_in_range(&reference, INVARIANT_SLACK, &effort(64)).unwrap());
+    println!("{}", invariants::is_linear_in_emission(&reference, INVARIANT_SLACK, &effort(64)).unwrap());
+}
+
+#[test]
+fn the_reference_is_free_of_scale() {
+    println!("{}", invariants::is_free_of_scale(&Reference::default(), INVARIANT_SLACK, &effort(64)).unwrap());
+}
+
+#[test]
+fn the_reference_turns_with_its_data() {
+    println!("{}", invariants::turns_with_its_data(&Reference::default(), INVARIANT_SLACK, &effort(64)).unwrap());
+}
+
+#[test]
+fn the_reference_ignores_threads() {
+    println!("{}", invariants::ignores_threads(&Reference::default(), &effort(64)).unwrap());
+}
+
+#[test]
+fn the_reference_forgets_earlier_frames() {
+    println!("{}", invariants::forgets_earlier_frames(&Reference::default(), &effort(64)).unwrap());
+}
+
+#[test]
+fn an_update_of_the_reference_is_a_new_preparation() {
+    println!("{}", invariants::update_is_prepare(&Reference::default(), &effort(64)).unwrap());
 }
 
 #[test]

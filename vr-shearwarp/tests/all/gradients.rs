@@ -7,6 +7,8 @@ use vr_physics::Metrics;
 use vr_physics::check::pictures::*;
 use vr_shearwarp::{EmptySpace, ShearWarp};
 
+use crate::both_errors::both_errors;
+
 const PROJECTIONS: [Option<f64>; 2] = [None, Some(40.0)];
 
 /// A renderer with texels of so many voxels, and slices half as far apart; those of classified voxels a voxel apart.
@@ -49,35 +51,28 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     ]
 }
 
-/// Root of the mean square error against the renderer's own model and against the canonical pixel, and of another scene against the latter.
-fn errors(renderer: &ShearWarp, scene: &Scene, other: &Scene, view: &View) -> [f64; 3] {
-    let control = Control::default();
-    let mut prepared = renderer.prepare(scene, &control).unwrap();
-    let frame = prepared.render(view, &control).unwrap().frame;
-    let truth = |model: &Model| solve(scene, view, model, 1e-5);
-    let canonical = truth(&Model::Canonical);
-    [
-        Metrics::of(&truth(&prepared.model(view).unwrap()), frame.pixels()).rmse,
-        Metrics::of(&canonical, frame.pixels()).rmse,
-        Metrics::of(&canonical, draw(renderer, other, view).frame.pixels()).rmse,
-    ]
+/// Root of the mean square error against the renderer's own model and against the canonical pixels, and of another scene against the latter.
+fn errors(renderer: &ShearWarp, scene: &Scene, other: &Scene, view: &View, canonical: &[[f64; 4]]) -> [f64; 3] {
+    let [of_canonical, of_model] = both_errors(renderer, scene, view, canonical);
+    [of_model, of_canonical, Metrics::of(canonical, draw(renderer, other, view).frame.pixels()).rmse]
 }
 
 #[test]
 fn opacity_follows_the_gradient() {
-    for classification in [Classification::Post, Classification::Pre] {
-        for (name, scene) in scenes() {
-            // A model of its own is known of sums alone.
-            if classification == Classification::Pre && scene.compositing != Compositing::Over {
-                continue;
-            }
-            for fov in PROJECTIONS {
-                let view = view(&scene, 33.0, 21.0, fov, 10);
-                // The same without gradients.
-                let transfer =
-                    scene.transfer.rows().get(1).map_or(scene.transfer.clone(), |row| row.transfer.clone().into());
-                let without = Scene { shading: None, transfer, ..scene.clone() };
-                let of = |texel| errors(&renderer(texel, classification), &scene, &without, &view);
+    for (name, scene) in scenes() {
+        for fov in PROJECTIONS {
+            let view = view(&scene, 33.0, 21.0, fov, 10);
+            let truth = solve(&scene, &view, &Model::Canonical, 1e-5);
+            // The same without gradients.
+            let transfer =
+                scene.transfer.rows().get(1).map_or(scene.transfer.clone(), |row| row.transfer.clone().into());
+            let without = Scene { shading: None, transfer, ..scene.clone() };
+            for classification in [Classification::Post, Classification::Pre] {
+                // A model of its own is known of sums alone.
+                if classification == Classification::Pre && scene.compositing != Compositing::Over {
+                    continue;
+                }
+                let of = |texel| errors(&renderer(texel, classification), &scene, &without, &view, &truth);
                 let [coarse, fine] = [0.5, 0.125].map(of);
                 println!("{classification:?} {name} {fov:?}: {coarse:.4?} {fine:.4?}");
                 // Light is interpolated between texels and nearest entries of tables are taken; the model knows of neither. Rows bend at
@@ -116,7 +111,8 @@ fn the_filters_own_gradient_shades() {
         let scene = shaded(&plain, shading);
         for fov in PROJECTIONS {
             let view = view(&scene, 33.0, 21.0, fov, 12);
-            let of = |texel| errors(&renderer(texel, Classification::Post), &scene, &plain, &view);
+            let truth = solve(&scene, &view, &Model::Canonical, 1e-5);
+            let of = |texel| errors(&renderer(texel, Classification::Post), &scene, &plain, &view, &truth);
             let [coarse, fine] = [1.0, 0.125].map(of);
             println!("{name} {fov:?}: {coarse:.4?} {fine:.4?}");
             // Gradients jump from cell to cell: first order, a factor of eight over three halvings.

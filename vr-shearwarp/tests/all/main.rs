@@ -1,5 +1,6 @@
 //! Tests of the crate from outside, in one program: it is linked once, and its tests run side by side.
 
+mod both_errors;
 mod cancelled;
 mod checks;
 mod colors;
