@@ -52,7 +52,7 @@ fn uneven() -> Volume {
 
 fn points() -> Volume {
     let places: Vec<DVec3> =
-        (0..40).map(|k| f64::from(k)).map(|k| DVec3::new(k * 0.618, k * 0.414, k * 0.732).fract()).collect();
+        (0..40).map(f64::from).map(|k| DVec3::new(k * 0.618, k * 0.414, k * 0.732).fract()).collect();
     let of = |share: f32| (0..40).map(|k| share * (1.0 + 0.5 * (k as f32).sin())).collect::<Vec<_>>();
     PointSet::new(places, of(0.3), of(0.002), vec![1.0; 40], PointKernel::CubicSpline).unwrap().into()
 }

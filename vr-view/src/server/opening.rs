@@ -59,6 +59,9 @@ enum OpenError {
     /// A path that leads out of the folder, or to nothing in it.
     #[error("path: found {0:?}; must be that of a file below the folder that was named with --folder")]
     Outside(String),
+    /// A file that takes its numbers from another place.
+    #[error("the file reads another one that is not beside it; all that it reads must be in the same folder, or below")]
+    Elsewhere,
     /// Files that are not taken.
     #[error(transparent)]
     Upload(#[from] UploadError),
@@ -76,7 +79,7 @@ enum OpenError {
 impl IntoResponse for OpenError {
     fn into_response(self) -> Response {
         let status = match &self {
-            Self::Never | Self::NoFolder | Self::Outside(_) => StatusCode::FORBIDDEN,
+            Self::Never | Self::NoFolder | Self::Outside(_) | Self::Elsewhere => StatusCode::FORBIDDEN,
             Self::Upload(UploadError::Busy) => StatusCode::CONFLICT,
             Self::Upload(UploadError::Size { .. } | UploadError::More(_)) => StatusCode::PAYLOAD_TOO_LARGE,
             Self::Upload(UploadError::Unknown) => StatusCode::NOT_FOUND,
@@ -114,9 +117,14 @@ impl Openings {
         if path.starts_with(folder) && path != *folder { Ok(path) } else { Err(outside()) }
     }
 
-    /// Reads a file; what is said of it has no path of the machine.
+    /// Reads a file, which may name others: nothing is shown of what lies outside of the folder. What is said of it has no path of the machine.
     fn read(&self, path: &Path, folder: &Path) -> Result<Subject, OpenError> {
         let mut subject = (self.opening.read)(path).map_err(|e| OpenError::Read(without(folder, &e.to_string())))?;
+        let real = fs::canonicalize(folder).map_err(|_| OpenError::Failed)?;
+        let is_inside = |file: &PathBuf| fs::canonicalize(file).is_ok_and(|file| file.starts_with(&real));
+        if !subject.volume.info.iter().flat_map(|info| &info.files).all(is_inside) {
+            return Err(OpenError::Elsewhere);
+        }
         subject.title = without(folder, &subject.title);
         subject.notes.iter_mut().for_each(|note| *note = without(folder, note));
         Ok(subject)

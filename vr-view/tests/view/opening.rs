@@ -141,6 +141,14 @@ fn files_below_the_folder_are_opened_by_their_path_and_no_others() {
         assert!(answer.status == 403 && words(&answer).contains("--folder"), "{wrong}: {}", words(&answer));
         assert!(wrong == secret || !words(&answer).contains(&outer.path().display().to_string()));
     }
+    // A header may name other files: what lies outside is not shown.
+    for place in ["../secret.raw", &outer.path().join("secret.raw").display().to_string()] {
+        std::fs::write(outer.path().join("secret.raw"), [1; 8]).unwrap();
+        let header = format!("NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\ndata file: {place}\n");
+        std::fs::write(folder.join("leads.nhdr"), header).unwrap();
+        let answer = running.post("open?path=leads.nhdr", &[]);
+        assert!(answer.status == 403 && words(&answer).contains("not beside it"), "{place}: {}", words(&answer));
+    }
     // What cannot be read is said without the folder's own place.
     let answer = running.post("open?path=broken.nrrd", &[]);
     assert!(answer.status == 422 && words(&answer).starts_with("broken.nrrd"), "{}", words(&answer));

@@ -194,7 +194,7 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
             color_change = Some(&found);
         }
         let behind_faces = [beyond, margin];
-        let stepping = Step::new(simd, costs, &here, &course, absorption, length, behind_faces, color_change);
+        let stepping = Step::new(simd, costs, &here, &course, absorption, behind_faces, color_change);
         let clear = sums.clear(simd);
         let cost = clear * stepping.missed;
         let rounding = clear * stepping.rounding * 2.0;

@@ -20,6 +20,7 @@ pub(super) struct Course<S: Simd> {
 
 /// What sixteen steps absorb.
 pub(super) struct Absorption<S: Simd> {
+    length: f32x16<S>,
     pub(super) opacity: f32x16<S>,
     /// Bound on the error of the optical depth, and its part that is due to the table.
     missed_depth: f32x16<S>,
@@ -81,7 +82,7 @@ impl<S: Simd> Absorption<S> {
         let looked_up = changes.kappa * costs.quarter * length;
         let missed_depth = changes.kappa * (course.span() * (1.0 / 6.0) + beside * (2.0 / 3.0)) * length + looked_up;
         let opacity = opacity_of_depth(simd, tau);
-        Self { opacity, missed_depth, looked_up, there, slopes, changes, tau, range }
+        Self { length, opacity, missed_depth, looked_up, there, slopes, changes, tau, range }
     }
 
     /// True for rays that may see something of their steps.
@@ -92,8 +93,8 @@ impl<S: Simd> Absorption<S> {
 }
 
 impl<S: Simd> Step<S> {
-    /// Takes steps that absorb. `beyond` is the error of the value, integrated over the part of the step behind its cell, which is up to `margin` long twice. `change`: what
-    /// becomes of the colours; `None` where they stay.
+    /// Takes steps that absorb. `beyond` is the error of the value, integrated over the part of the step behind its cell, which is up to `margin` long twice. `color_change`:
+    /// what becomes of the colours; `None` where they stay.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
@@ -101,12 +102,11 @@ impl<S: Simd> Step<S> {
         here: &[f32x16<S>; 4],
         course: &Course<S>,
         absorption: Absorption<S>,
-        length: f32x16<S>,
         [beyond, margin]: [f32x16<S>; 2],
         color_change: Option<&ColorChange>,
     ) -> Self {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let Absorption { opacity, missed_depth, looked_up, there, slopes, changes, tau, range } = absorption;
+        let Absorption { length, opacity, missed_depth, looked_up, there, slopes, changes, tau, range } = absorption;
         let (bow, span) = (course.bow(), course.span());
         let (bowed, cubic) = (bow.abs(), course.cubic);
         let beside = bowed + cubic;
@@ -236,7 +236,7 @@ mod tests {
                     };
                     let absorption = Absorption::new(simd, &costs, &here, &course, at(length));
                     let none = [splat(simd, 0.0); 2];
-                    let step = Step::new(simd, &costs, &here, &course, absorption, at(length), none, None);
+                    let step = Step::new(simd, &costs, &here, &course, absorption, none, None);
                     let lanes = [step.light[0], step.light[1], step.light[2], step.light[3], step.missed * factor];
                     lanes.map(|lanes| f64::from(lanes[LANES / 2]))
                 });
