@@ -60,8 +60,8 @@ pub(super) struct Marched {
 
 /// Length of the shortest steps, which are taken whatever they cost.
 const SHORTEST: f32 = 1.0 / 16384.0;
-/// Share of the error allowed that the next step aims at.
-const AIM: f32 = 0.4;
+/// Share of the error allowed that the next step aims at: where colours stay as they are, and where they reflect.
+const AIMS: [f32; 2] = [0.8, 0.4];
 /// Error of a position, in cells: its three fractions are rounded to f32.
 const MISPLACED: f32 = 4.0 / (1 << 24) as f32;
 /// Largest number of rounds of a packet; rays that are not done then have no bound here.
@@ -103,6 +103,9 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
     let brightest = splat(simd, costs.brightest);
     let mut sums = Sums::new(simd);
     let mut spent = zero;
+    // Transmittance, and the place of the colours in a step, are rounded to half a unit beside 1: each may cost as much of the brightest light.
+    let (mut rounded, unit) = (zero, splat(simd, 2.0 * f32::EPSILON * costs.brightest));
+    let aim = AIMS[usize::from(medium.reflection.is_some())];
     let mut failed = packet.backdrop.load(simd).simd_gt(brightest);
     end = pick(failed, never, end);
     let (mut at, mut out) = (packet.first.load(simd), never);
@@ -208,9 +211,12 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
         let fits = fresh | is_cheap | cost.simd_le(allowed) | length.simd_le(shortest * 1.01);
         let taken = active & fits;
         let stepped = taken & !fresh;
-        // Costs grow with the cube of the length, or its fourth power: the root is between. Aimed at is less than what is allowed, since that falls by what is spent.
-        let ratio = (allowed * AIM / cost.max(splat(simd, f32::MIN_POSITIVE))).sqrt().sqrt();
-        let ratio = ratio * ratio.sqrt();
+        // Costs grow with the cube of the length; those of what is reflected nearly with its fourth power, and what is allowed falls by what is spent.
+        let mut ratio = (allowed * aim / cost.max(splat(simd, f32::MIN_POSITIVE))).sqrt();
+        if medium.reflection.is_some() {
+            ratio = ratio.sqrt();
+            ratio *= ratio.sqrt();
+        }
         let ratio = pick(is_cheap, splat(simd, 2.0), ratio.max(splat(simd, 0.125)).min(splat(simd, 2.0)));
         let grown = (length * ratio).max(shortest);
         // A step that ended at a face says nothing about longer ones: keep the length that was tried.
@@ -218,6 +224,7 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
         step = pick(active & !fresh, grown, step);
         sums.add(simd, stepped, [at, length], light);
         spent = pick(stepped, spent + cost, spent);
+        rounded = pick(stepped & opacity.simd_gt(zero), rounded + clear * unit, rounded);
         at = pick(taken, to, at);
         value = pick(taken, next, value);
         for c in 0..4 {
@@ -228,14 +235,14 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
         let [r, g, b, _] = sums.rgba();
         let budget = (r.max(g).max(b) - spent).max(one) * medium.error;
         let rest = sums.clear(simd) * brightest;
-        let over = stepped & !spent.simd_le(budget);
+        let over = stepped & !(spent + rounded).simd_le(budget);
         failed |= over;
-        let done = stepped & (spent + rest).simd_le(budget * 0.99);
+        let done = stepped & (spent + rounded + rest).simd_le(budget * 0.99);
         spent = pick(done, spent + rest, spent);
         end = pick(done | over, never, end);
     }
     // The end of the ray is rounded to f32.
-    spent += here[3] * sums.clear(simd) * whole.max(zero) * (f32::EPSILON * costs.brightest);
+    spent += rounded + here[3] * sums.clear(simd) * whole.max(zero) * (f32::EPSILON * costs.brightest);
     finish(simd, packet, &sums, [spent, end], failed, samples, [medium.error, costs.brightest])
 }
 
@@ -259,7 +266,7 @@ fn finish<S: Simd>(
     let [r, g, b, a] = sums.rgba();
     let one = splat(simd, 1.0);
     let bright = r.max(g).max(b);
-    // What steps are rounded by is in their costs: the sums are rounded once more.
+    // The sums are rounded once more.
     let kept = (spent + 16.0 * brightest * f32::EPSILON).simd_le((bright - spent).max(one) * error) & !failed;
     Marched {
         rgba: [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)],

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
-use vr_kernels::vector::{Lanes, opacity_of_depth, pick, source_weight, splat};
+use vr_kernels::vector::{Lanes, opacity_of_depth, source_weight, splat};
 
 use super::color_change::ColorChange;
 use super::cost_table::{Changes, CostTable};
@@ -138,8 +138,6 @@ impl<S: Simd> Step<S> {
         }
         // Errors of the values, and of a medium that is not linear in them.
         let mut rounding = changes.steepest * (course.unsure * length + beyond);
-        // Transmittance, and the place of the colours in the step, are rounded to half a unit beside 1: each may cost as much of the brightest light.
-        rounding += pick(opacity.simd_gt(zero), splat(simd, 2.0 * f32::EPSILON * costs.brightest), zero);
         let mut missed_color = changes.color * (span * 0.25 + beside + costs.quarter)
             + bulged * uneven
             + color_slope * cubic * costs.factor;
