@@ -34,7 +34,7 @@ pub use modulation::{Modulation, RowMixture, StepOptics};
 pub use operator::Operator;
 pub use rows::{packed, rows_of, transpose, transpose_packed};
 pub use segments::SegmentTable;
-pub use shade::{PacketLights, PacketShading, SeenLights, Shade, central_differences, power_of, reflect};
+pub use shade::{PacketLight, PacketLights, PacketShading, SeenLights, Shade, central_differences, power_of, reflect};
 pub use stencils::Stencils;
 pub use sums::{Sums, share_of_half, share_to_level};
 pub use table::{OpticsTable, Rows, step_light};

@@ -78,16 +78,24 @@ impl SeenLights {
     }
 }
 
+/// A light as the rays of a packet see it.
 #[derive(Clone, Debug)]
-struct PacketLight {
+pub struct PacketLight {
     /// Unit vectors towards the light.
-    to_light: [Lanes; 3],
+    pub to_light: [Lanes; 3],
     /// Unit vectors between light and eye; zero where they are opposite.
-    half: [Lanes; 3],
-    color: [f32; 3],
+    pub half: [Lanes; 3],
+    /// Linear RGB.
+    pub color: [f32; 3],
 }
 
 impl PacketLights {
+    /// The lights, one by one.
+    #[inline(always)]
+    pub fn lights(&self) -> &[PacketLight] {
+        &self.lights
+    }
+
     /// Makes them for rays of these (unit) directions, unless they are for those already.
     pub fn look_along(&mut self, lights: &[Light], directions: &[[f64; LANES]; 3]) {
         if self.directions.as_ref() == Some(directions) {

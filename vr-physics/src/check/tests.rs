@@ -77,7 +77,7 @@ fn the_reference_passes_with_the_gaussian_filter_too() {
     agrees_with_reference_on(&reference, gaussian, |_, _| FRAME_ROUNDING, &effort(64)).unwrap();
 }
 
-/// What invariants of the reference may be off by.
+/// Largest departure of the reference from its invariants.
 const INVARIANT_SLACK: f64 = 4.0 * FRAME_ROUNDING;
 
 #[test]

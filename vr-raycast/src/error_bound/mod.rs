@@ -175,8 +175,7 @@ impl Tracer for BoundedRays<'_> {
             if let Some(packets) = self.packets.as_ref().filter(|_| stages.packets.is_worth_while()) {
                 let before = counts.rays;
                 let seen = (self.view, self.layer);
-                let lit = (self.volume, self.error_bound.reflection.as_ref());
-                open = packets.trace(lit, &self.rays, seen, spots, &mut traced[..spots.len()], counts);
+                open = packets.trace(self.volume, &self.rays, seen, spots, &mut traced[..spots.len()], counts);
                 let failed = open.count_ones();
                 stages.packets.tried += (counts.rays - before) as u32 + failed;
                 stages.packets.failed += failed;

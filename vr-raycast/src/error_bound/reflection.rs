@@ -31,7 +31,7 @@ pub(super) struct Reflection {
 #[derive(Clone, Debug)]
 pub(super) struct RayReflection<'a> {
     reflection: &'a Reflection,
-    pub(super) ray: RayShading<f64>,
+    ray: RayShading<f64>,
 }
 
 /// The gradient along a cell.

@@ -3,8 +3,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 use glam::DVec3;
-use vr_core::{GradientMethod, Shading};
-use vr_kernels::vector::{Field, LANES, Lanes, Pairs, Stage, pick, power_of, splat};
+use vr_core::{GradientMethod, Light, Shading};
+use vr_kernels::vector::{Field, LANES, Lanes, PacketLights, Pairs, Stage, pick, power_of, splat};
 
 use super::super::reflection::Reflection;
 use super::gradients::{Corners, Derivatives};
@@ -12,6 +12,7 @@ use super::gradients::{Corners, Derivatives};
 /// Reflection in a scene, the same for all rays.
 #[derive(Clone, Debug)]
 pub(super) struct PacketReflection {
+    pub(super) lights: Vec<Light>,
     ambient: f32,
     diffuse: f32,
     specular: f32,
@@ -26,17 +27,6 @@ pub(super) struct PacketReflection {
     columns: [f32; 3],
     /// Bound of the length of any gradient of the volume, in these units.
     steepest: f32,
-}
-
-/// Lights as the rays of a packet see them.
-#[derive(Clone, Debug, Default)]
-pub(super) struct SeenLights(Vec<SeenLight>);
-
-#[derive(Clone, Debug)]
-struct SeenLight {
-    to_light: [Lanes; 3],
-    half: [Lanes; 3],
-    color: [f32; 3],
 }
 
 /// Steps of sixteen rays inside cells.
@@ -104,6 +94,7 @@ impl PacketReflection {
         let columns = [0, 1, 2].map(|a| DVec3::new(rows[0][a], rows[1][a], rows[2][a]).length());
         let up = |x: f64| x as f32 * (1.0 + 1e-6);
         Some(Self {
+            lights: reflection.lights.clone(),
             ambient: shading.ambient as f32,
             diffuse: shading.diffuse as f32,
             specular: shading.specular as f32,
@@ -130,7 +121,7 @@ impl PacketReflection {
         &self,
         simd: S,
         field: &Field<'_, T>,
-        lights: &SeenLights,
+        lights: &PacketLights,
         places: &Places,
         stage: &mut Stage<T>,
         change: &mut ColorChange,
@@ -150,7 +141,7 @@ impl PacketReflection {
         &self,
         simd: S,
         corners: &Corners<S>,
-        lights: &SeenLights,
+        lights: &PacketLights,
         places: &Places,
         change: &mut ColorChange,
     ) {
@@ -198,7 +189,7 @@ impl PacketReflection {
         let ambient = splat(simd, self.ambient);
         let (mut factor, mut added) = ([[ambient; 3]; 3], [[zero; 3]; 3]);
         let (mut factor_off, mut added_off, mut blurred) = (zero, zero, zero);
-        for light in &lights.0 {
+        for light in lights.lights() {
             let most = light.color[0].max(light.color[1]).max(light.color[2]);
             let (diffuse, specular) = (self.diffuse * most, self.specular * most);
             let facing = Cosines::new(simd, &normals, &light.to_light, turn * 0.25 + blur);
@@ -345,29 +336,10 @@ impl<S: Simd> Cosines<S> {
     }
 }
 
-impl SeenLights {
-    /// Makes the lights for rays of these (unit) directions.
-    pub(super) fn along(reflection: &Reflection, directions: &[[f64; LANES]; 3]) -> Self {
-        let [x, y, z] = directions;
-        let none = SeenLight { to_light: [Lanes::ZERO; 3], half: [Lanes::ZERO; 3], color: [0.0; 3] };
-        let mut seen = vec![none; reflection.lights.len()];
-        for i in 0..LANES {
-            let ray = reflection.along(DVec3::new(x[i], y[i], z[i]));
-            for (light, own) in seen.iter_mut().zip(&ray.ray.lights) {
-                light.color = own.color.map(|c| c as f32);
-                for a in 0..3 {
-                    (light.to_light[a].0[i], light.half[a].0[i]) = (own.to_light[a] as f32, own.half[a] as f32);
-                }
-            }
-        }
-        Self(seen)
-    }
-}
-
 // Functions in the place of closures, which are not inlined for certain.
 
 #[inline(always)]
-fn load<S: Simd>(simd: S, v: &[Lanes; 3]) -> [f32x16<S>; 3] {
+pub(super) fn load<S: Simd>(simd: S, v: &[Lanes; 3]) -> [f32x16<S>; 3] {
     [v[0].load(simd), v[1].load(simd), v[2].load(simd)]
 }
 
@@ -471,7 +443,8 @@ mod tests {
         let reflection = Reflection::new(&scene, &volume, 1.0).unwrap();
         let packets = PacketReflection::new(&reflection, 1.0, 1e13).unwrap();
         let direction = DVec3::from(case.view).normalize();
-        let lights = SeenLights::along(&reflection, &[0, 1, 2].map(|a| [direction[a]; LANES]));
+        let mut lights = PacketLights::default();
+        lights.look_along(&scene.lights, &[0, 1, 2].map(|a| [direction[a]; LANES]));
         let lattice = Lattice { samples: &case.samples[..], dims: [SIDE; 3] };
         // Fractions of the cell at both ends; the whole ray is long, so that no axis is slow.
         let to: [f64; 3] = std::array::from_fn(|a| case.from[a] + case.length * (case.to[a] - case.from[a]));
@@ -489,7 +462,7 @@ mod tests {
             let mut stage = Stage::default();
             packets.along(simd, &Field::new(&lattice), &lights, &places, &mut stage, &mut change)
         });
-        let ray = &reflection.along(direction).ray;
+        let ray = &reflection.shading.along(&scene.lights, direction);
         let corner = |i: usize| std::array::from_fn(|a| case.cell[a] + (i >> a & 1));
         let corners: [[f64; 3]; 8] = std::array::from_fn(|i| gradient_at_sample(&lattice, corner(i)));
         let [factor_off, added_off, blurred] =

@@ -2,11 +2,11 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
-use vr_kernels::vector::{Field, LANES, Lanes, Pairs, Stage, Sums, pick, splat};
+use vr_kernels::vector::{Field, LANES, Lanes, PacketLights, Pairs, Stage, Sums, pick, splat};
 
 use super::cell::Along;
 use super::clear_blocks::ClearBlocks;
-use super::color_change::{ColorChange, PacketReflection, Places, SeenLights};
+use super::color_change::{ColorChange, PacketReflection, Places};
 use super::cost_table::CostTable;
 use super::path::{Exits, Path};
 use super::step::{Absorption, Course, Step};
@@ -44,7 +44,7 @@ pub(super) struct Packet {
     /// Largest component of what stands behind the volume.
     pub(super) backdrop: Lanes,
     /// Lights as the rays see them; none where colours stay as they are.
-    pub(super) lights: SeenLights,
+    pub(super) lights: PacketLights,
 }
 
 /// Results of sixteen rays.

@@ -15,7 +15,7 @@ use fearless_simd::{Level, Simd};
 use glam::DVec3;
 use vr_core::image_order::ImageSample;
 use vr_core::{Counts, Filter, GridVolume, Layer, ParameterError, Rays, View, with_grid};
-use vr_kernels::vector::{self, Chords, Field, LANES, Lanes, Pairs, Stage, Vectorized};
+use vr_kernels::vector::{self, Chords, Field, LANES, Lanes, PacketLights, Pairs, Stage, Vectorized};
 
 use super::blocks::{Blocks, EDGE, State};
 use super::optics::Optics;
@@ -25,7 +25,7 @@ use crate::near_depths::NearDepths;
 use crate::silhouette::Hull;
 use crate::tracer::RaySample;
 use clear_blocks::ClearBlocks;
-use color_change::{PacketReflection, SeenLights};
+use color_change::PacketReflection;
 use cost_table::CostTable;
 use march::{Marched, Medium, Packet, march};
 
@@ -115,7 +115,7 @@ impl<'a> PacketView<'a> {
     /// Traces up to sixteen rays, and returns the mask of those whose bound is not kept: the caller has to trace these by other means.
     pub(super) fn trace(
         &self,
-        (volume, reflection): (&GridVolume, Option<&Reflection>),
+        volume: &GridVolume,
         rays: &Rays,
         (view, layer): (&View, Option<&Layer>),
         spots: &[ImageSample],
@@ -134,7 +134,7 @@ impl<'a> PacketView<'a> {
                 error: self.error,
                 reflection: self.packets.reflection.as_ref(),
             };
-            vector::run(self.packets.level, Trace { view: self, medium: &medium, volume, reflection, rays, seen: (view, layer), spots, values, counts })
+            vector::run(self.packets.level, Trace { view: self, medium: &medium, volume, rays, seen: (view, layer), spots, values, counts })
         })
     }
 }
@@ -144,7 +144,6 @@ struct Trace<'a, T> {
     view: &'a PacketView<'a>,
     medium: &'a Medium<'a, T>,
     volume: &'a GridVolume,
-    reflection: Option<&'a Reflection>,
     rays: &'a Rays,
     seen: (&'a View, Option<&'a Layer>),
     spots: &'a [ImageSample],
@@ -202,8 +201,11 @@ impl<T> Trace<'_, T> {
             first: Lanes::ZERO,
             end: Lanes([f32::NEG_INFINITY; LANES]),
             backdrop,
-            lights: self.reflection.map_or_else(SeenLights::default, |r| SeenLights::along(r, &chords.along)),
+            lights: PacketLights::default(),
         };
+        if let Some(reflection) = &self.view.packets.reflection {
+            packet.lights.look_along(&reflection.lights, &chords.along);
+        }
         let mut begin = [0.0; LANES];
         for i in 0..self.spots.len() {
             let (start, end) = (chords.start[i], chords.end[i]);

@@ -2,9 +2,9 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
-use vr_kernels::vector::{Lanes, opacity_of_depth, source_weight, splat};
+use vr_kernels::vector::{opacity_of_depth, source_weight, splat};
 
-use super::color_change::ColorChange;
+use super::color_change::{ColorChange, load};
 use super::cost_table::{Changes, CostTable};
 
 /// Course of the field over a step: a line from the first value to the last, a parabola on it through the middle one, and a cubic that is 0 at both ends and in the
@@ -18,7 +18,7 @@ pub(super) struct Course<S: Simd> {
     pub(super) unsure: f32x16<S>,
 }
 
-/// What sixteen steps absorb.
+/// Absorption along sixteen steps.
 pub(super) struct Absorption<S: Simd> {
     length: f32x16<S>,
     pub(super) opacity: f32x16<S>,
@@ -165,12 +165,6 @@ impl<S: Simd> Step<S> {
         let rounding = rounding + looked_up * costs.brightest + opacity * changes.color * costs.quarter;
         Self { light, there, missed, rounding }
     }
-}
-
-/// Loads three vectors. In the place of a closure, which is not inlined for certain.
-#[inline(always)]
-fn load<S: Simd>(simd: S, [a, b, c]: &[Lanes; 3]) -> [f32x16<S>; 3] {
-    [a.load(simd), b.load(simd), c.load(simd)]
 }
 
 #[cfg(test)]

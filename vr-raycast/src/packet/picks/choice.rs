@@ -7,7 +7,7 @@ use vr_kernels::vector::{Cells, LANES, Lanes, Operator, pick, splat};
 use crate::packet::fields::PacketField;
 use crate::packet::march::in_lanes;
 
-/// What the rays have picked so far.
+/// Values and positions that the rays have picked so far.
 pub(crate) struct Choice<S: Simd> {
     /// Value times the sign of an extreme; of a mean, the sum of values by length.
     pub(crate) value: f32x16<S>,

@@ -22,8 +22,8 @@ pub(super) struct CoveredParts<'a> {
     pub(super) ends: [f64; 2],
 }
 
-/// Way below which neither gaps nor progress count, in units of the points' spacing: some roundings of places in f32.
-const LEAST_WAY: f32 = 1e-6;
+/// Smallest distance that counts as a gap or as progress, in units of the points' spacing: some roundings of places in f32.
+const MIN_WAY: f32 = 1e-6;
 
 /// Part of a cell's edge by which a search goes beyond its face: within what lists take in beside their cells.
 const BEYOND: f64 = 1e-6;
@@ -50,7 +50,7 @@ impl Vectorized for CoveredParts<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Vec<[f64; 2]> {
-        let (unit, least) = (self.cells.spacing, f64::from(LEAST_WAY) * self.cells.spacing);
+        let (unit, gap) = (self.cells.spacing, f64::from(MIN_WAY) * self.cells.spacing);
         let [from, to] = self.ends;
         let (mut parts, mut begin, mut at) = (Vec::new(), from, from);
         while at < to {
@@ -59,13 +59,13 @@ impl Vectorized for CoveredParts<'_> {
                 let place = self.place(level, at);
                 reach = reach.max(self.look(simd, level, &place).reach);
             }
-            if reach > LEAST_WAY {
+            if reach > MIN_WAY {
                 at += f64::from(reach) * unit;
                 continue;
             }
             let next = self.next(simd, at);
             let entry = next.map_or(f64::INFINITY, |[entry, _]| entry);
-            if entry > at + least {
+            if entry > at + gap {
                 if at > begin {
                     parts.push([begin, at.min(to)]);
                 }
@@ -125,7 +125,7 @@ impl CoveredParts<'_> {
             let (near, far) = (zero - along - half, half - along);
             let holds = is_crossed & within.simd_gt(zero);
             reach = pick(holds, reach.max(far), reach);
-            let is_next = is_crossed & near.simd_gt(zero) & far.simd_gt(splat(simd, LEAST_WAY)) & near.simd_lt(entry);
+            let is_next = is_crossed & near.simd_gt(zero) & far.simd_gt(splat(simd, MIN_WAY)) & near.simd_lt(entry);
             (entry, exit) = (pick(is_next, near, entry), pick(is_next, far, exit));
         }
         let (entry, exit) = (Lanes::new(entry), Lanes::new(exit));
