@@ -103,7 +103,7 @@ impl TableGrid {
         calibration: Calibration,
         row: impl Fn(&Optical) -> T,
     ) -> Vec<[T; 2]> {
-        // Where one interval ends the next begins, mostly with the same properties: a row, with its exponential or logarithm, is made once.
+        // An interval begins where the one before ends, mostly with the same properties: a row, with its exponential or logarithm, is made once.
         let mut before: Option<(Optical, T)> = None;
         let mut shared = |at: Optical| match before {
             Some((same, row)) if same == at => row,

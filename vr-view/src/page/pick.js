@@ -27,9 +27,7 @@ export class Pick {
     this.asks = true;
     while (this.place) {
       const place = this.place;
-      const [x, y] = place;
-      const response = await fetch(`pick?${new URLSearchParams({ x, y })}`).catch(() => null);
-      const found = response?.ok ? await response.json() : null;
+      const found = await this.once(place);
       if (this.place) this.show(found);
       if (this.place === place) break;
     }

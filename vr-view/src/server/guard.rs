@@ -176,7 +176,7 @@ mod tests {
             assert_eq!(with(&[wrong], false), Err(Refusal::Origin), "{wrong}");
         }
         assert_eq!(with(&["http://127.0.0.1:8000", "http://evil.example"], true), Err(Refusal::Origin));
-        // What changes something says where it comes from.
+        // Requests that change something must say where they come from.
         for method in [Method::POST, Method::PUT, Method::DELETE] {
             let post = |origin: &[(HeaderName, &str)]| {
                 checked_as(&method, "/TOKEN/open", &[&[(HOST, here)], origin].concat(), here)

@@ -75,7 +75,7 @@ fn nothing_is_told_without_the_token() {
     for method in ["POST", "PUT", "DELETE", "OPTIONS"] {
         let answer =
             running.request(&format!("{method} /{}/ HTTP/1.1\nHost: {host}\nContent-Length: 0", running.token));
-        // What may change something says where it comes from, or is refused for that.
+        // Requests that may change something are refused where they do not say where they come from.
         assert_eq!(answer.status, if method == "OPTIONS" { 405 } else { 403 }, "{method}");
     }
     // Only files of the page are files.

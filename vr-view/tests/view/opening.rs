@@ -149,7 +149,7 @@ fn files_below_the_folder_are_opened_by_their_path_and_no_others() {
         let answer = running.post("open?path=leads.nhdr", &[]);
         assert!(answer.status == 403 && words(&answer).contains("not beside it"), "{place}: {}", words(&answer));
     }
-    // What cannot be read is said without the folder's own place.
+    // Messages about files that cannot be read leave the folder's own place out.
     let answer = running.post("open?path=broken.nrrd", &[]);
     assert!(answer.status == 422 && words(&answer).starts_with("broken.nrrd"), "{}", words(&answer));
     assert!(!words(&answer).contains(&outer.path().display().to_string()));

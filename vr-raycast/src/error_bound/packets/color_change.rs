@@ -215,7 +215,7 @@ impl PacketReflection {
             }
         }
 
-        // Where that says less than that anything may be, take the middle.
+        // Take the middle of all that reflection can make where these bounds say less than that.
         let range = self.range();
         let light_off = factor_off * self.brightest_color + added_off;
         let is_better =
@@ -480,7 +480,7 @@ mod tests {
                 a + (c - a) * t + (b - 0.5 * (a + c)) * 4.0 * t * (1.0 - t)
             };
             let off = (parabola(&change.factor[0]) + parabola(&change.added[0]) - want[0] - want[1]).abs();
-            // What f32 makes of the sum itself.
+            // The sum itself is rounded to f32.
             worst = worst.max((off - 1e-6).max(0.0) / (factor_off + added_off + blurred).max(1e-12));
         }
         worst
@@ -507,7 +507,7 @@ mod tests {
         let found = found.into_inner();
         let half = found.iter().filter(|&&share| share > 0.3).count();
         println!("{} steps, {half} of them use 0.3 of their bound or more", found.len());
-        // And it is no bound for its own sake.
+        // The bound is not far above the errors.
         assert!(half > 100, "{half}");
     }
 }

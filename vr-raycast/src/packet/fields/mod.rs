@@ -39,7 +39,7 @@ pub(crate) trait PacketField {
         light
     }
 
-    /// Those of some lanes whose places, fetched last, have a field, as far as no cells tell it.
+    /// Returns the lanes, among some, whose places (fetched last) have a field; lattices of cells tell that elsewhere.
     #[inline(always)]
     fn has_field<S: Simd>(&self, _: S, lanes: mask32x16<S>, _: &Self::Stage) -> mask32x16<S> {
         lanes

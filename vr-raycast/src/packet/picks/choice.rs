@@ -44,7 +44,7 @@ impl<S: Simd> Choice<S> {
         let zero = splat(simd, 0.0);
         match operator {
             Operator::Average => {
-                // What roundings lose goes beside the sum, as in `Sums`.
+                // Losses by rounding are summed beside it, as in `Sums`.
                 let added = pick(live, value * length, zero);
                 let sum = self.value + added;
                 self.lost += (sum - self.value) - added;

@@ -131,7 +131,7 @@ proptest! {
         let room = if turns { turned_by_moving(&caster, &scene, &view, &want) } else { 0.0 };
         let is_lit = shade && matches!(compositing, Compositing::First { .. });
         let tolerance = if is_lit { TWO_SHADINGS } else { TWO_ENGINES };
-        // Which of two samples is the extreme one may be rounding's choice, and their colours differ.
+        // Rounding may choose between two samples as the extreme one, and their colours differ.
         let with_colors = !is_colored || matches!(compositing, Compositing::Average | Compositing::First { .. });
         same_picks(values.iter().map(|value| value.rgba), &want, (compositing, with_colors), tolerance + room)?;
         for vector in [Vector::Avx2, Vector::Baseline] {
