@@ -72,12 +72,6 @@ impl Blocks {
         self.ranges[index].map(f64::from)
     }
 
-    /// Returns the difference of the largest and the smallest stored number of a block; 0 if it is all vacuum.
-    pub(super) fn span(&self, index: usize) -> f32 {
-        let [low, high] = self.ranges[index];
-        (high - low).max(0.0).next_up()
-    }
-
     /// Extremes of the medium in a block that is filled.
     pub(super) fn extremes(&self, index: usize, optics: &Optics) -> Extremes {
         let [low, high] = self.ranges[index];

@@ -1,21 +1,114 @@
-//! Trilinear field along steps, each inside a cell.
+//! Steps ahead, each inside a cell, and the trilinear field along them.
 
-use fearless_simd::{Simd, f32x16};
-use vr_kernels::vector::{Field, Pairs, Stage};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, mask32x16};
+use vr_kernels::vector::{Field, Pairs, Stage, pick, splat};
+
+use super::march::{Medium, Packet};
+use super::path::{Exits, Path};
+use super::step::Course;
+
+/// Error of a position, in cells: its three fractions are rounded to f32.
+const MISPLACED: f32 = 4.0 / (1 << 24) as f32;
+
+/// Ways of sixteen rays through cells, and how exactly the field is known along them.
+pub(super) struct Way<S: Simd> {
+    pub(super) path: Path<S>,
+    pub(super) exits: Exits<S>,
+    /// Cells per unit of length.
+    delta: [f32x16<S>; 3],
+    /// Bound of the rounding of a distance.
+    pub(super) margin: f32x16<S>,
+    /// Bound of the cubic part of the field, by its third difference and the cube of the length.
+    cubic: f32x16<S>,
+    /// Bound of the error of values.
+    unsure: f32x16<S>,
+    /// Error of the value, integrated over the part of a step behind its cell.
+    pub(super) beyond: f32x16<S>,
+}
+
+impl<S: Simd> Way<S> {
+    #[inline(always)]
+    pub(super) fn new<T>(simd: S, medium: &Medium<'_, T>, packet: &Packet) -> Self {
+        let [dx, dy, dz] = &packet.rounded_delta;
+        let delta = [dx.load(simd), dy.load(simd), dz.load(simd)];
+        // Distances are rounded to f32: steps end a little behind faces, and leaps a little before them, so that neither misses anything.
+        let margin = packet.end.load(simd).max(splat(simd, 1.0)) * (1.0 / (1 << 24) as f32);
+        Self {
+            path: Path::new(simd, packet, medium.dims),
+            exits: Exits::new(simd, &delta),
+            delta,
+            margin,
+            // The third difference of the corners times dx dy dz h³ t(t − ½)(t − 1), the last of which is at most √3/36.
+            cubic: (delta[0] * delta[1] * delta[2]).abs() * 0.0482,
+            // Fractions of a cell are rounded: at most this changes the value.
+            unsure: splat(simd, medium.span * MISPLACED + medium.noise + medium.costs.misplaced),
+            // Behind its face a step follows the field of its own cell, over less than two margins. The two fields differ there by their slopes.
+            beyond: margin * margin * (8.0 * medium.span),
+        }
+    }
+}
+
+/// Step through the cell that lies ahead, or a part of it.
+pub(super) struct Ahead<S: Simd> {
+    pub(super) to: f32x16<S>,
+    pub(super) length: f32x16<S>,
+    pub(super) course: Course<S>,
+    /// Numbers of the cell, and the place in it of the middle of the step.
+    pub(super) cell: [f32x16<S>; 3],
+    pub(super) middle: [f32x16<S>; 3],
+}
+
+impl<S: Simd> Ahead<S> {
+    /// Steps from places `at`, where the last cell gave a value, to the end of the cell, but not beyond a limit. A ray that is `fresh` first learns where it is, in a step of no length;
+    /// so does one that is not active.
+    #[inline(always)]
+    pub(super) fn new<T: Pairs>(
+        simd: S,
+        medium: &Medium<'_, T>,
+        way: &Way<S>,
+        [at, value, limit]: [f32x16<S>; 3],
+        [active, fresh]: [mask32x16<S>; 2],
+        stage: &mut Stage<T>,
+    ) -> Self {
+        let Way { path, exits, delta, margin, cubic, unsure, .. } = way;
+        let begin = at + *margin;
+        let (cell, cells) = path.cells(simd, begin);
+        medium.field.fetch(simd, &cells, stage);
+        let to = (begin + (exits.of_cell(simd, &cells.fraction) + *margin)).min(limit);
+        let to = pick(active & !fresh, to, at);
+        let length = to - at;
+        let back = at - begin;
+        let (half, forth) = (back + length * 0.5, to - begin);
+        let [x, y, z] = cells.fraction;
+        let first = [x + delta[0] * back, y + delta[1] * back, z + delta[2] * back];
+        let middle = [x + delta[0] * half, y + delta[1] * half, z + delta[2] * half];
+        let last = [x + delta[0] * forth, y + delta[1] * forth, z + delta[2] * forth];
+        let along = Along::new(simd, &medium.field, stage, [&first, &middle, &last]);
+        // The medium at the begin was looked up for the value that the last cell gave there.
+        let off = pick(fresh, splat(simd, 0.0), (along.begin - value).abs());
+        let course = Course {
+            values: [pick(fresh, along.end, along.begin), along.middle, along.end],
+            cubic: along.third.abs() * (*cubic * length * length * length),
+            unsure: *unsure + off,
+        };
+        Self { to, length, course, cell, middle }
+    }
+}
 
 /// Field along a step inside a cell.
-pub(super) struct Along<S: Simd> {
-    pub(super) begin: f32x16<S>,
-    pub(super) middle: f32x16<S>,
-    pub(super) end: f32x16<S>,
+struct Along<S: Simd> {
+    begin: f32x16<S>,
+    middle: f32x16<S>,
+    end: f32x16<S>,
     /// Third difference of the cell's corners: what the cubic part is made of.
-    pub(super) third: f32x16<S>,
+    third: f32x16<S>,
 }
 
 impl<S: Simd> Along<S> {
     /// Evaluates the trilinear field of staged cells at three places in each.
     #[inline(always)]
-    pub(super) fn new<T: Pairs>(simd: S, field: &Field<'_, T>, stage: &Stage<T>, places: [&[f32x16<S>; 3]; 3]) -> Self {
+    fn new<T: Pairs>(simd: S, field: &Field<'_, T>, stage: &Stage<T>, places: [&[f32x16<S>; 3]; 3]) -> Self {
         let [[a00, b00, a10, b10], [a01, b01, a11, b11]] = field.faces(simd, 2, stage);
         let (d00, d10, d01, d11) = (b00 - a00, b10 - a10, b01 - a01, b11 - a11);
         let third = (d11 - d01) - (d10 - d00);

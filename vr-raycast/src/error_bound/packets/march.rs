@@ -4,12 +4,12 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_kernels::vector::{Field, LANES, Lanes, PacketLights, Pairs, Stage, Sums, pick, splat};
 
-use super::cell::Along;
+use super::cell::{Ahead, Way};
 use super::clear_blocks::ClearBlocks;
 use super::color_change::{ColorChange, PacketReflection, Places};
 use super::cost_table::CostTable;
-use super::path::{Exits, Path};
-use super::step::{Absorption, Course, Step};
+use super::step::{Absorption, Doubt, Step};
+use super::stretch::{STEPS, Stretch};
 
 /// Medium that the rays of a frame go through.
 #[derive(Clone, Copy)]
@@ -62,10 +62,27 @@ pub(super) struct Marched {
 const SHORTEST: f32 = 1.0 / 16384.0;
 /// Share of the error allowed that the next step aims at: where colours stay as they are, and where they reflect.
 const AIMS: [f32; 2] = [0.8, 0.4];
-/// Error of a position, in cells: its three fractions are rounded to f32.
-const MISPLACED: f32 = 4.0 / (1 << 24) as f32;
 /// Largest number of rounds of a packet; rays that are not done then have no bound here.
 const MAX_ROUNDS: u32 = 1 << 13;
+
+/// Numbers of rounds in which steps are taken one by one when a stretch has cost more than its share: after one that did not, and at most.
+const MIN_PAUSE: u32 = 8;
+const MAX_PAUSE: u32 = 128;
+
+/// What sixteen rays go through in one round.
+struct Advance<S: Simd> {
+    /// Rays that go on, and those that have a step to add.
+    taken: mask32x16<S>,
+    stepped: mask32x16<S>,
+    to: f32x16<S>,
+    /// Value and medium there.
+    value: f32x16<S>,
+    there: [f32x16<S>; 4],
+    light: [f32x16<S>; 4],
+    cost: f32x16<S>,
+    /// How often the transmittance is rounded.
+    roundings: f32,
+}
 
 /// Takes sixteen rays to their ends.
 #[inline(never)]
@@ -84,21 +101,14 @@ pub(super) fn march<S: Simd, T: Pairs>(
 #[inline(always)]
 fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Packet, stage: &mut Stage<T>) -> Marched {
     let Medium { field, blocks, costs, .. } = medium;
-    let path = Path::new(simd, packet, medium.dims);
+    let way = Way::new(simd, medium, packet);
+    let Way { path, exits, margin, beyond, .. } = &way;
+    let (margin, beyond) = (*margin, *beyond);
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
     let never = splat(simd, f32::NEG_INFINITY);
-    let [dx, dy, dz] = &packet.rounded_delta;
-    let delta = [dx.load(simd), dy.load(simd), dz.load(simd)];
-    let exits = Exits::new(simd, &delta);
-    // The cubic part is the third difference of the corners times dx dy dz h³ t(t − ½)(t − 1), the last of which is at most √3/36.
-    let cubic = (delta[0] * delta[1] * delta[2]).abs() * 0.0482;
     let whole = packet.end.load(simd);
     let mut end = whole;
-    // Distances are rounded to f32: steps end a little behind faces, and leaps a little before them, so that neither misses anything.
-    let margin = whole.max(one) * (1.0 / (1 << 24) as f32);
     let shortest = (margin * 8.0).max(splat(simd, SHORTEST));
-    // Behind its face a step follows the field of its own cell, over less than two margins. The two fields differ there by their slopes.
-    let beyond = margin * margin * (8.0 * medium.span);
     let per_length = splat(simd, 0.45 * medium.error) / whole.max(splat(simd, f32::MIN_POSITIVE));
     let brightest = splat(simd, costs.brightest);
     let mut sums = Sums::new(simd);
@@ -112,7 +122,6 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
     let mut step = one;
     let mut value = zero;
     let mut here = [zero; 4];
-    let mut noise = zero;
     let mut fresh = zero.simd_eq(zero);
     let mut found = ColorChange::NONE;
     let mut places = Places {
@@ -124,6 +133,8 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
         whole: packet.end,
     };
     let (mut samples, mut rounds) = (0, 0);
+    // Rounds for which steps are taken one by one, and for how many they are when a stretch fails next.
+    let (mut pause, mut patience) = (0, MIN_PAUSE);
     loop {
         let mut live = at.simd_lt(end);
         if live.all_false() {
@@ -140,14 +151,12 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
         let mut seeking = live & at.simd_ge(out);
         while seeking.any_true() {
             let (numbers, cells) = path.cells(simd, at);
-            let [distance, span] = blocks.at(simd, &cells);
-            let exit = exits.of_blocks(simd, &numbers, &cells.fraction, distance.max(one));
+            let distance = blocks.at(simd, &cells);
+            let exit = exits.of_blocks(simd, &numbers, &cells.fraction, distance.abs());
             let leaping = seeking & distance.simd_gt(zero) & exit.simd_gt(margin * 4.0);
             let found = seeking & !leaping;
-            // Behind the next face another block is looked up.
+            // As far as no block is clear, none is looked up.
             out = pick(found, at + exit.max(margin), out);
-            // Fractions of a cell are rounded: at most this changes the value.
-            noise = pick(found, span * MISPLACED + medium.noise, noise);
             at = pick(leaping, at + exit - margin * 2.0, at);
             fresh |= leaping;
             live = at.simd_lt(end);
@@ -161,74 +170,88 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
         if active.all_false() {
             continue;
         }
-        samples += active.to_bitmask().count_ones();
-        // The step ends where the ray leaves the cell that lies ahead. A ray that has leaped first learns where it is, in a step of no length.
-        let begin = at + margin;
-        let (numbers, cells) = path.cells(simd, begin);
-        field.fetch(simd, &cells, stage);
-        let to = (begin + (exits.of_cell(simd, &cells.fraction) + margin)).min(at + step).min(end);
-        let to = pick(fresh, at, to);
-        let length = to - at;
-        let back = at - begin;
-        let (half, forth) = (back + length * 0.5, to - begin);
-        let [x, y, z] = cells.fraction;
-        let first = [x + delta[0] * back, y + delta[1] * back, z + delta[2] * back];
-        let middle = [x + delta[0] * half, y + delta[1] * half, z + delta[2] * half];
-        let last = [x + delta[0] * forth, y + delta[1] * forth, z + delta[2] * forth];
-        let along = Along::new(simd, field, stage, [&first, &middle, &last]);
-        let next = along.end;
-        // The medium at the begin was looked up for the value that the last cell gave there.
-        let off = pick(fresh, zero, (along.begin - value).abs());
-        let course = Course {
-            values: [pick(fresh, next, along.begin), along.middle, next],
-            cubic: along.third.abs() * (cubic * length * length * length),
-            unsure: noise + off + costs.misplaced,
-        };
-        let absorption = Absorption::new(simd, costs, &here, &course, length);
-        // Colours are asked for only where some can be seen.
-        let mut color_change = None;
-        if let Some(reflection) = medium.reflection
-            && (active & absorption.is_seen(simd)).any_true()
-        {
-            places.cell = lanes(numbers);
-            places.middle = lanes(middle);
-            places.length = Lanes::new(length);
-            reflection.along(simd, field, &packet.lights, &places, stage, &mut found);
-            color_change = Some(&found);
-        }
-        let behind_faces = [beyond, margin];
-        let stepping = Step::new(simd, costs, &here, &course, absorption, behind_faces, color_change);
         let clear = sums.clear(simd);
-        let cost = clear * stepping.missed;
-        let rounding = clear * stepping.rounding * 2.0;
-        let Step { light, there, .. } = stepping;
-        let opacity = light[3];
-        // Reject steps that cost more than their share; they are tried again, shorter.
-        let left = clear * (one - opacity);
-        let share = per_length * to + (one - left) * (0.45 * medium.error);
-        let allowed = ((share - spent) * 0.5).max(zero);
-        let is_cheap = cost.simd_le(rounding);
-        let fits = fresh | is_cheap | cost.simd_le(allowed) | length.simd_le(shortest * 1.01);
-        let taken = active & fits;
-        let stepped = taken & !fresh;
-        // Costs grow with the cube of the length; those of what is reflected nearly with its fourth power, and what is allowed falls by what is spent.
-        let mut ratio = (allowed * aim / cost.max(splat(simd, f32::MIN_POSITIVE))).sqrt();
-        if medium.reflection.is_some() {
-            ratio = ratio.sqrt();
-            ratio *= ratio.sqrt();
-        }
-        let ratio = pick(is_cheap, splat(simd, 2.0), ratio.max(splat(simd, 0.125)).min(splat(simd, 2.0)));
-        let grown = (length * ratio).max(shortest);
-        // A step that ended at a face says nothing about longer ones: keep the length that was tried.
-        let grown = pick(stepped, grown.max(pick(length.simd_lt(step * 0.99), step, zero)), grown);
-        step = pick(active & !fresh, grown, step);
-        sums.add(simd, stepped, [at, length], light);
+        let advance = if pause == 0 && medium.reflection.is_none() {
+            // Several steps under one account, where that has gone well of late.
+            let stretch = Stretch::new(simd, medium, &way, [at, value, end], &here, [active, fresh], stage);
+            samples += stretch.samples;
+            let cost = clear * stretch.missed;
+            let left = clear * (one - stretch.light[3]);
+            // The depth at which opacity reaches a half is found within one step.
+            let is_halved = clear.simd_gt(splat(simd, 0.5)) & left.simd_le(splat(simd, 0.5));
+            let taken =
+                active & cost.simd_le(allowed(simd, medium.error, [per_length * stretch.to, left, spent])) & !is_halved;
+            let is_whole = (active & !taken).all_false();
+            (pause, patience) = if is_whole { (0, MIN_PAUSE) } else { (patience, (2 * patience).min(MAX_PAUSE)) };
+            Advance {
+                taken,
+                stepped: taken & stretch.to.simd_gt(at),
+                to: stretch.to,
+                value: stretch.value,
+                there: stretch.there,
+                light: stretch.light,
+                cost,
+                roundings: 1.0 + STEPS as f32,
+            }
+        } else {
+            pause = pause.saturating_sub(1);
+            samples += active.to_bitmask().count_ones();
+            let ahead = Ahead::new(simd, medium, &way, [at, value, (at + step).min(end)], [active, fresh], stage);
+            let Ahead { to, length, course, .. } = &ahead;
+            let (to, length) = (*to, *length);
+            let absorption = Absorption::new(simd, costs, &here, course, length);
+            let doubt = Doubt::of_step(simd, costs, course, length);
+            // Colours are asked for only where some can be seen.
+            let mut color_change = None;
+            if let Some(reflection) = medium.reflection
+                && (active & doubt.is_seen(simd, absorption.opacity)).any_true()
+            {
+                places.cell = lanes(ahead.cell);
+                places.middle = lanes(ahead.middle);
+                places.length = Lanes::new(length);
+                reflection.along(simd, field, &packet.lights, &places, stage, &mut found);
+                color_change = Some(&found);
+            }
+            let stepping = Step::new(simd, costs, &here, course, (absorption, doubt), [beyond, margin], color_change);
+            let cost = clear * stepping.missed;
+            let rounding = clear * stepping.rounding * 2.0;
+            // Reject steps that cost more than their share; they are tried again, shorter.
+            let left = clear * (one - stepping.light[3]);
+            let allowed = allowed(simd, medium.error, [per_length * to, left, spent]);
+            let is_cheap = cost.simd_le(rounding);
+            let fits = fresh | is_cheap | cost.simd_le(allowed) | length.simd_le(shortest * 1.01);
+            let taken = active & fits;
+            let stepped = taken & !fresh;
+            // Costs grow with the cube of the length; those of what is reflected nearly with its fourth power, and what is allowed falls by what is spent.
+            let mut ratio = (allowed * aim / cost.max(splat(simd, f32::MIN_POSITIVE))).sqrt();
+            if medium.reflection.is_some() {
+                ratio = ratio.sqrt();
+                ratio *= ratio.sqrt();
+            }
+            let ratio = pick(is_cheap, splat(simd, 2.0), ratio.max(splat(simd, 0.125)).min(splat(simd, 2.0)));
+            let grown = (length * ratio).max(shortest);
+            // A step that ended at a face says nothing about longer ones: keep the length that was tried.
+            let grown = pick(stepped, grown.max(pick(length.simd_lt(step * 0.99), step, zero)), grown);
+            step = pick(active & !fresh, grown, step);
+            Advance {
+                taken,
+                stepped,
+                to,
+                value: course.values[2],
+                there: stepping.there,
+                light: stepping.light,
+                cost,
+                roundings: 1.0,
+            }
+        };
+        let Advance { taken, stepped, to, light, cost, .. } = advance;
+        sums.add(simd, stepped, [at, to - at], light);
         spent = pick(stepped, spent + cost, spent);
-        rounded = pick(stepped & opacity.simd_gt(zero), rounded + clear * unit, rounded);
+        rounded = pick(stepped & light[3].simd_gt(zero), rounded + clear * unit * advance.roundings, rounded);
         at = pick(taken, to, at);
-        value = pick(taken, next, value);
+        value = pick(taken, advance.value, value);
         for c in 0..4 {
-            here[c] = pick(taken, there[c], here[c]);
+            here[c] = pick(taken, advance.there[c], here[c]);
         }
         fresh &= !taken;
         // A ray ends where what is left of it is worth less than what is left of the error; or where the error is spent.
@@ -244,6 +267,13 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
     // The end of the ray is rounded to f32.
     spent += rounded + here[3] * sums.clear(simd) * whole.max(zero) * (f32::EPSILON * costs.brightest);
     finish(simd, packet, &sums, [spent, end], failed, samples, [medium.error, costs.brightest])
+}
+
+/// Returns half of what is left of the error that rays may have spent, behind which transmittances are left: a share by the distance, and one by the opacity gained.
+#[inline(always)]
+fn allowed<S: Simd>(simd: S, error: f32, [by_distance, left, spent]: [f32x16<S>; 3]) -> f32x16<S> {
+    let share = by_distance + (splat(simd, 1.0) - left) * (0.45 * error);
+    ((share - spent) * 0.5).max(splat(simd, 0.0))
 }
 
 /// Stores three vectors. In the place of a closure, which is not inlined for certain.

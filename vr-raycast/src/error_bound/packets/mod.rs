@@ -10,6 +10,7 @@ mod gradients;
 mod march;
 mod path;
 mod step;
+mod stretch;
 
 use fearless_simd::{Level, Simd};
 use glam::DVec3;

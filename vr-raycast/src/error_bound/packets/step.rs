@@ -20,18 +20,39 @@ pub(super) struct Course<S: Simd> {
 
 /// Absorption along sixteen steps.
 pub(super) struct Absorption<S: Simd> {
-    length: f32x16<S>,
+    pub(super) length: f32x16<S>,
+    /// Optical depth, as if κ were linear in the value, and opacity.
+    pub(super) tau: f32x16<S>,
     pub(super) opacity: f32x16<S>,
-    /// Bound on the error of the optical depth, and its part that is due to the table.
-    missed_depth: f32x16<S>,
-    looked_up: f32x16<S>,
     /// Medium at the end, and how it changes with the value there.
-    there: [f32x16<S>; 4],
+    pub(super) there: [f32x16<S>; 4],
     slopes: [f32x16<S>; 4],
-    changes: Changes<S>,
-    tau: f32x16<S>,
-    /// Range of all values of the step.
-    range: [f32x16<S>; 2],
+    /// Change of the optical depth along the step, as if it were that of the begin and that of the end throughout.
+    change: f32x16<S>,
+}
+
+/// Bounds on how a medium is off from what steps take it for.
+pub(super) struct Doubt<S: Simd> {
+    pub(super) changes: Changes<S>,
+    /// Bound on the error of the optical depth, and its part that is due to the table.
+    pub(super) missed_depth: f32x16<S>,
+    looked_up: f32x16<S>,
+    /// Infinity where a wall may be met.
+    pub(super) walls: f32x16<S>,
+}
+
+/// Light of steps, and the largest of what its error depends on.
+pub(super) struct Emission<S: Simd> {
+    /// Light and opacity.
+    pub(super) light: [f32x16<S>; 4],
+    /// Changes of light over the steps, and its bulges.
+    pub(super) change: f32x16<S>,
+    pub(super) bulge: f32x16<S>,
+    /// The same of the factors on colours.
+    turned: f32x16<S>,
+    turned_bulge: f32x16<S>,
+    /// Changes of colours.
+    unlit: f32x16<S>,
 }
 
 /// Step of sixteen rays.
@@ -48,13 +69,13 @@ pub(super) struct Step<S: Simd> {
 
 impl<S: Simd> Course<S> {
     #[inline(always)]
-    fn bow(&self) -> f32x16<S> {
+    pub(super) fn bow(&self) -> f32x16<S> {
         let [first, middle, last] = self.values;
         middle - (first + last) * 0.5
     }
 
     #[inline(always)]
-    fn span(&self) -> f32x16<S> {
+    pub(super) fn span(&self) -> f32x16<S> {
         (self.values[2] - self.values[0]).abs()
     }
 }
@@ -69,27 +90,110 @@ impl<S: Simd> Absorption<S> {
         course: &Course<S>,
         length: f32x16<S>,
     ) -> Self {
-        let [first, _, last] = course.values;
-        let [there, slopes] = costs.medium(simd, last);
-        let bow = course.bow();
-        let beside = bow.abs() + course.cubic;
-        // All values of the step lie in this range.
-        let room = beside + course.unsure;
-        let range = [first.min(last) - room, first.max(last) + room];
-        let changes = costs.changes(simd, range[0], range[1]);
-        // Optical depth, as if κ were linear in the value.
-        let tau = ((here[3] + there[3]) * 0.5 + slopes[3] * bow * (2.0 / 3.0)).max(splat(simd, 0.0)) * length;
-        let looked_up = changes.kappa * costs.quarter * length;
-        let missed_depth = changes.kappa * (course.span() * (1.0 / 6.0) + beside * (2.0 / 3.0)) * length + looked_up;
-        let opacity = opacity_of_depth(simd, tau);
-        Self { length, opacity, missed_depth, looked_up, there, slopes, changes, tau, range }
+        let [there, slopes] = costs.medium(simd, course.values[2]);
+        let tau = ((here[3] + there[3]) * 0.5 + slopes[3] * course.bow() * (2.0 / 3.0)).max(splat(simd, 0.0)) * length;
+        let change = (there[3] - here[3]) * length;
+        Self { length, tau, opacity: opacity_of_depth(simd, tau), there, slopes, change }
     }
 
-    /// True for rays that may see something of their steps.
+    /// Largest change of a colour with the value, and that of κ.
     #[inline(always)]
-    pub(super) fn is_seen(&self, simd: S) -> mask32x16<S> {
-        (self.opacity + self.missed_depth).simd_gt(splat(simd, 0.0))
+    pub(super) fn steepness(&self) -> [f32x16<S>; 2] {
+        let [r, g, b, kappa] = self.slopes;
+        [r.abs().max(g.abs()).max(b.abs()), kappa.abs()]
     }
+
+    /// Change of the optical depth along the step.
+    #[inline(always)]
+    pub(super) fn unevenness(&self) -> f32x16<S> {
+        self.change.abs()
+    }
+
+    /// Returns the light of steps from places with the medium `here`. The colour goes evenly over the step, and bulges. `color_change`: what becomes of the colours; `None` where they stay.
+    #[inline(always)]
+    pub(super) fn emission(
+        &self,
+        simd: S,
+        here: &[f32x16<S>; 4],
+        bow: f32x16<S>,
+        color_change: Option<&ColorChange>,
+    ) -> Emission<S> {
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        let Self { tau, opacity, there, slopes, .. } = *self;
+        let weight = source_weight(simd, tau, opacity);
+        let behind = ((weight - (one - opacity)) + self.change * (1.0 / 12.0) * weight).max(zero).min(opacity);
+        let mut emission = Emission {
+            light: [zero, zero, zero, opacity],
+            change: zero,
+            bulge: zero,
+            turned: zero,
+            turned_bulge: zero,
+            unlit: zero,
+        };
+        for c in 0..3 {
+            let (mut ends, mut bulge) = ([here[c], there[c]], slopes[c] * bow);
+            if let Some(change) = color_change {
+                let factor = load(simd, &change.factor[c]);
+                let added = load(simd, &change.added[c]);
+                emission.unlit = emission.unlit.max((ends[1] - ends[0]).abs());
+                emission.turned = emission.turned.max((factor[2] - factor[0]).abs());
+                emission.turned_bulge = emission.turned_bulge.max((factor[1] - (factor[0] + factor[2]) * 0.5).abs());
+                let middle = ((ends[0] + ends[1]) * 0.5 + bulge) * factor[1] + added[1];
+                ends = [ends[0] * factor[0] + added[0], ends[1] * factor[2] + added[2]];
+                bulge = middle - (ends[0] + ends[1]) * 0.5;
+            }
+            let difference = ends[1] - ends[0];
+            emission.change = emission.change.max(difference.abs());
+            emission.bulge = emission.bulge.max(bulge.abs());
+            emission.light[c] = (ends[0] * opacity + difference * behind + opacity * bulge * (2.0 / 3.0)).max(zero);
+        }
+        emission
+    }
+}
+
+impl<S: Simd> Doubt<S> {
+    /// Bounds what is missed along lengths whose values lie in a range, in steps over which they change by `span` at most, beside a line by `beside` at most.
+    #[inline(always)]
+    pub(super) fn new(
+        simd: S,
+        costs: &CostTable,
+        [low, high]: [f32x16<S>; 2],
+        [span, beside]: [f32x16<S>; 2],
+        length: f32x16<S>,
+    ) -> Self {
+        let changes = costs.changes(simd, low, high);
+        let looked_up = changes.kappa * costs.quarter * length;
+        let missed_depth = changes.kappa * (span * (1.0 / 6.0) + beside * (2.0 / 3.0)) * length + looked_up;
+        Self { changes, missed_depth, looked_up, walls: costs.walls(simd, low, high) }
+    }
+
+    /// Bounds what one step misses.
+    #[inline(always)]
+    pub(super) fn of_step(simd: S, costs: &CostTable, course: &Course<S>, length: f32x16<S>) -> Self {
+        let [first, _, last] = course.values;
+        let beside = course.bow().abs() + course.cubic;
+        let room = beside + course.unsure;
+        Self::new(simd, costs, [first.min(last) - room, first.max(last) + room], [course.span(), beside], length)
+    }
+
+    /// Returns true for rays that may see something of steps with these opacities.
+    #[inline(always)]
+    pub(super) fn is_seen(&self, simd: S, opacity: f32x16<S>) -> mask32x16<S> {
+        (opacity + self.missed_depth).simd_gt(splat(simd, 0.0))
+    }
+
+    /// Bounds how far colours are from lines, over `span` and `beside` as in [`Self::new`].
+    #[inline(always)]
+    pub(super) fn color(&self, costs: &CostTable, span: f32x16<S>, beside: f32x16<S>) -> f32x16<S> {
+        self.changes.color * (span * 0.25 + beside + costs.quarter)
+    }
+}
+
+/// Bounds the error of W, of a colour that changes by 1: by the optical depth of the step, and the change of the depth along it.
+#[inline(always)]
+pub(super) fn missed_order<S: Simd>(simd: S, tau: f32x16<S>, change: f32x16<S>) -> f32x16<S> {
+    let one = splat(simd, 1.0);
+    change * change * (one + change) * (1.0 / 128.0) + change * (tau * tau * (1.0 / 96.0)).min(splat(simd, 1.0 / 24.0))
 }
 
 impl<S: Simd> Step<S> {
@@ -101,68 +205,44 @@ impl<S: Simd> Step<S> {
         costs: &CostTable,
         here: &[f32x16<S>; 4],
         course: &Course<S>,
-        absorption: Absorption<S>,
+        (absorption, doubt): (Absorption<S>, Doubt<S>),
         [beyond, margin]: [f32x16<S>; 2],
         color_change: Option<&ColorChange>,
     ) -> Self {
-        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let Absorption { length, opacity, missed_depth, looked_up, there, slopes, changes, tau, range } = absorption;
+        let Absorption { length, opacity, tau, there, .. } = absorption;
+        let Doubt { changes, missed_depth, looked_up, walls } = &doubt;
         let (bow, span) = (course.bow(), course.span());
         let (bowed, cubic) = (bow.abs(), course.cubic);
         let beside = bowed + cubic;
-        // Light: the colour goes evenly over the step, and bulges.
-        let (change, bent) = ((there[3] - here[3]) * length, slopes[3] * bow);
-        let weight = source_weight(simd, tau, opacity);
-        let behind = ((weight - (one - opacity)) + change * (1.0 / 12.0) * weight).max(zero).min(opacity);
-        let size = change.abs();
+        let Emission { light, change, bulge, turned, turned_bulge, unlit } =
+            absorption.emission(simd, here, bow, color_change);
+        let size = absorption.unevenness();
         let uneven = ((tau + size / tau.max(splat(simd, f32::MIN_POSITIVE))) * 0.52).min(splat(simd, 2.0 / 3.0));
-        let color_slope = slopes[0].abs().max(slopes[1].abs()).max(slopes[2].abs());
-        let mut light = [zero, zero, zero, opacity];
-        // Largest change of light over the step and bulge of it; the same of the factors on colours; and the largest change of colours.
-        let (mut lit, mut bulged, mut turned, mut turned_bulge, mut unlit) = (zero, zero, zero, zero, zero);
-        for c in 0..3 {
-            let (mut ends, mut bulge) = ([here[c], there[c]], slopes[c] * bow);
-            if let Some(change) = color_change {
-                let factor = load(simd, &change.factor[c]);
-                let added = load(simd, &change.added[c]);
-                unlit = unlit.max((ends[1] - ends[0]).abs());
-                turned = turned.max((factor[2] - factor[0]).abs());
-                turned_bulge = turned_bulge.max((factor[1] - (factor[0] + factor[2]) * 0.5).abs());
-                let middle = ((ends[0] + ends[1]) * 0.5 + bulge) * factor[1] + added[1];
-                ends = [ends[0] * factor[0] + added[0], ends[1] * factor[2] + added[2]];
-                bulge = middle - (ends[0] + ends[1]) * 0.5;
-            }
-            let difference = ends[1] - ends[0];
-            (lit, bulged) = (lit.max(difference.abs()), bulged.max(bulge.abs()));
-            light[c] = (ends[0] * opacity + difference * behind + opacity * bulge * (2.0 / 3.0)).max(zero);
-        }
+        let [color_slope, kappa_slope] = absorption.steepness();
         // Errors of the values, and of a medium that is not linear in them.
         let mut rounding = changes.steepest * (course.unsure * length + beyond);
-        let mut missed_color = changes.color * (span * 0.25 + beside + costs.quarter)
-            + bulged * uneven
-            + color_slope * cubic * costs.factor;
+        let bent_color = doubt.color(costs, span, beside);
+        let mut missed_color = bent_color + bulge * uneven + color_slope * cubic * costs.factor;
         if let Some(change) = color_change {
             // A product of two parabolas is one but for two terms.
             let product = unlit * turned_bulge + color_slope * bowed * (turned + turned_bulge * 1.25);
             let largest = here[0].max(here[1]).max(here[2]).max(there[0].max(there[1]).max(there[2]));
-            let color = largest + color_slope * beside + changes.color * (span * 0.25 + beside + costs.quarter);
+            let color = largest + color_slope * beside + bent_color;
             let blurred = change.blurred.load(simd);
             missed_color +=
                 product * 0.2 + color * change.factor_off.load(simd) + change.added_off.load(simd) + blurred;
             // Behind the face of the cell.
-            let kappa = here[3].max(there[3]) + (slopes[3].abs() + changes.kappa) * (span + beside + costs.quarter);
+            let kappa = here[3].max(there[3]) + (kappa_slope + changes.kappa) * (span + beside + costs.quarter);
             rounding += opacity * blurred + kappa * margin * 2.0 * change.beyond.load(simd);
         }
         // Errors of W, where the colour changes along the step.
-        let order =
-            size * size * (one + size) * (1.0 / 128.0) + size * (tau * tau * (1.0 / 96.0)).min(splat(simd, 1.0 / 24.0));
-        let skew = (bent.abs() + slopes[3].abs() * cubic + changes.kappa * (span * 0.25 + beside)) * length;
-        let missed = missed_depth * costs.brightest
-            + (opacity + missed_depth) * missed_color
-            + lit * (order + skew * 2.0)
+        let skew = (kappa_slope * beside + changes.kappa * (span * 0.25 + beside)) * length;
+        let missed = *missed_depth * costs.brightest
+            + (opacity + *missed_depth) * missed_color
+            + change * (missed_order(simd, tau, size) + skew * 2.0)
             + rounding
-            + costs.walls(simd, range[0], range[1]);
-        let rounding = rounding + looked_up * costs.brightest + opacity * changes.color * costs.quarter;
+            + *walls;
+        let rounding = rounding + *looked_up * costs.brightest + opacity * changes.color * costs.quarter;
         Self { light, there, missed, rounding }
     }
 }
@@ -227,8 +307,9 @@ mod tests {
                         unsure: at(3e-7),
                     };
                     let absorption = Absorption::new(simd, &costs, &here, &course, at(length));
+                    let doubt = Doubt::of_step(simd, &costs, &course, at(length));
                     let none = [splat(simd, 0.0); 2];
-                    let step = Step::new(simd, &costs, &here, &course, absorption, none, None);
+                    let step = Step::new(simd, &costs, &here, &course, (absorption, doubt), none, None);
                     let lanes = [step.light[0], step.light[1], step.light[2], step.light[3], step.missed * factor];
                     lanes.map(|lanes| f64::from(lanes[LANES / 2]))
                 });
