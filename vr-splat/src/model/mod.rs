@@ -271,7 +271,8 @@ impl SplatModel {
             let at = |depth: f64| (depth / sheets.distance).floor().clamp(0.0, f64::from(sheets.count - 1)) as u32;
             for sheet in at(s.place.z - half / s.scale)..=at(s.place.z + half / s.scale) {
                 let (splats, lights) = parts.entry(sheet).or_default();
-                (splats.push(s), lights.push(optics));
+                splats.push(s);
+                lights.push(optics);
             }
         }
         // One part a sheet, front to back.
