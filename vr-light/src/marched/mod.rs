@@ -97,7 +97,10 @@ impl MarchedScattering {
             let towards = towards.normalize();
             ShadowMap::new(&*medium, towards, spacing, control).map(|map| Lamp { towards, color, map })
         };
-        let of_lamp = |light: &vr_core::Light| light.direction.map(|towards| (towards, light.color));
+        // A lamp without light needs no map.
+        let of_lamp = |light: &vr_core::Light| {
+            light.direction.map(|towards| (towards, light.color)).filter(|lamp| lamp.1 != [0.0; 3])
+        };
         let lamps = scene.lights.iter().filter_map(of_lamp).map(lamp).collect::<Result<_, _>>()?;
         let headlights = scene.lights.iter().filter(|light| light.direction.is_none());
         let headlight = headlights.fold([0.0; 3], |sum, light| std::array::from_fn(|c| sum[c] + light.color[c]));

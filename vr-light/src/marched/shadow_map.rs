@@ -12,6 +12,8 @@ use crate::medium::Medium;
 const MAX_PLACES: usize = 384;
 /// Smallest number along its longest axis: the faces of the volume's box, at which depths bend, must not be blurred, however few voxels there are.
 const MIN_PLACES: usize = 160;
+/// Places of a column that the medium is asked for at once.
+const BATCH: usize = 64;
 
 /// Optical depth between each place of a lattice and a lamp at infinity (Kniss et al., "Interactive volume rendering using multi-dimensional transfer
 /// functions and direct manipulation widgets", 2002, keep slices of it; here it is whole).
@@ -56,13 +58,25 @@ impl ShadowMap {
             control.check()?;
             let (i, j) = (column / size[1], column % size[1]);
             let foot = axes[0] * (first.x + step.x * i as f64) + axes[1] * (first.y + step.y * j as f64);
-            let mut sum = 0.0;
             let mut depths = locked(&columns[column]);
-            for k in (0..size[2] - 1).rev() {
-                let at = foot + towards * (first.z + step.z * (k as f64 + 0.5));
-                sum += medium.extinction(at, -towards, 0) * step.z;
-                depths[k] = sum as f32;
+            let place = |k: usize| foot + towards * (first.z + step.z * (k as f64 + 0.5));
+            let inside = places_inside(foot, towards, (low, high), |z| (z - first.z) / step.z - 0.5, size[2] - 1);
+            let (mut places, mut extinctions) = ([DVec3::ZERO; BATCH], [0.0; BATCH]);
+            let mut sum = 0.0;
+            let mut end = inside.end;
+            while end > inside.start {
+                let from = inside.start.max(end.saturating_sub(BATCH));
+                let count = end - from;
+                (from..end).zip(&mut places).for_each(|(k, at)| *at = place(k));
+                medium.extinctions(&places[..count], -towards, 0, &mut extinctions[..count]);
+                for (k, extinction) in (from..end).zip(extinctions).rev() {
+                    sum += extinction * step.z;
+                    depths[k] = sum as f32;
+                }
+                end = from;
             }
+            // Behind the medium.
+            depths[..inside.start].fill(sum as f32);
             Ok(())
         };
         control.run(|| try_each(columns.len(), &fill))?;
@@ -96,7 +110,79 @@ impl ShadowMap {
     }
 }
 
+/// Numbers of the places of a column, of so many, that may lie in a box: all that do, and a few near its faces. `number_at` tells the number at a distance
+/// from the foot of the column.
+fn places_inside(
+    foot: DVec3,
+    towards: DVec3,
+    (low, high): (DVec3, DVec3),
+    number_at: impl Fn(f64) -> f64,
+    count: usize,
+) -> std::ops::Range<usize> {
+    // Places are rounded: a column in a face is inside.
+    let slack = (high - low).abs() * 1e-9;
+    let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
+    for axis in 0..3 {
+        let [a, b] = [low - slack, high + slack].map(|corner| (corner[axis] - foot[axis]) / towards[axis]);
+        (near, far) = (near.max(a.min(b)), far.min(a.max(b)));
+    }
+    let [first, last] =
+        [number_at(near) - 1.0, number_at(far) + 2.0].map(|number| number.clamp(0.0, count as f64) as usize);
+    first..last.max(first)
+}
+
 /// True if a coordinate, in steps of a lattice of so many places, is outside of it by more than rounding.
 pub(crate) fn is_beside(place: f64, size: usize) -> bool {
     !(-1e-6..=(size - 1) as f64 + 1e-6).contains(&place)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::medium::SceneMedium;
+    use vr_core::scattering::Scattering;
+    use vr_core::{Clip, ControlPoint, OpacityRule, Placement, Plane, Scene, TransferFunction, UniformGrid};
+
+    /// Depths summed place by place, through all of the map's box.
+    fn summed(map: &ShadowMap, medium: &dyn Medium) -> Vec<f32> {
+        let [a, b, towards] = map.axes;
+        let mut depths = Vec::new();
+        for column in 0..map.size[0] * map.size[1] {
+            let (i, j) = (column / map.size[1], column % map.size[1]);
+            let foot = a * (map.low.x + map.step.x * i as f64) + b * (map.low.y + map.step.y * j as f64);
+            let mut sums = vec![0.0f64];
+            for k in (0..map.size[2] - 1).rev() {
+                let at = foot + towards * (map.low.z + map.step.z * (k as f64 + 0.5));
+                sums.push(sums[sums.len() - 1] + medium.extinction(at, -towards, 0) * map.step.z);
+            }
+            depths.extend(sums.iter().rev().map(|&sum| sum as f32));
+        }
+        depths
+    }
+
+    #[test]
+    fn columns_are_sums_of_all_their_places() {
+        let samples: Vec<u8> = (0..60).map(|i| (i * 7919 % 256) as u8).collect();
+        let placement = Placement::from_spacing([0.5, 0.75, 1.0]).unwrap();
+        let grid = UniformGrid::new([3, 4, 5], samples, placement, Default::default()).unwrap();
+        let points = vec![ControlPoint::new(0.0, [1.0; 3], 0.1), ControlPoint::new(255.0, [1.0; 3], 0.9)];
+        let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
+        let scene = Scene::new(grid.into(), transfer);
+        let cut = Clip {
+            crop: Some((DVec3::splat(0.2), DVec3::new(0.8, 9.0, 9.0))),
+            planes: vec![Plane { normal: DVec3::Y, offset: 0.7 }],
+        };
+        // Along axes, in both senses, nearly so, and across all of them.
+        let directions = [DVec3::X, -DVec3::Y, DVec3::Z, DVec3::new(1e-9, 1.0, -1e-17), DVec3::new(0.3, 1.0, 0.5)];
+        for clip in [Clip::default(), cut] {
+            let medium = SceneMedium::new(&scene, &clip, &Scattering::default()).unwrap();
+            for towards in directions.map(DVec3::normalize) {
+                let map = ShadowMap::new(&medium, towards, 0.25, &Control::default()).unwrap();
+                let want = summed(&map, &medium);
+                assert!(want.iter().any(|&depth| depth > 0.5), "{towards}: a map of nothing");
+                let differing = want.iter().zip(&map.depths).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
+                assert_eq!((differing, map.depths.len()), (0, want.len()), "{towards}");
+            }
+        }
+    }
 }

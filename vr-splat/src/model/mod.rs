@@ -185,7 +185,7 @@ impl SplatModel {
                             color: None,
                         };
                     }
-                    Part::Light(self.lit(std::iter::once((s, whole(s)))))
+                    Part::Light(Self::lit(std::iter::once((self.optics(s), whole(s)))))
                 };
                 splats.iter().filter(met).map(one).collect()
             }
@@ -197,7 +197,7 @@ impl SplatModel {
                 let part = |(turn, sheet): (&u32, &Vec<(&ExactSplat, f64)>)| {
                     let parts = sheet.iter().copied();
                     if self.renderer.splats_light() {
-                        return Part::Light(self.lit(parts));
+                        return Part::Light(Self::lit(parts.map(|(s, weight)| (self.optics(s), weight))));
                     }
                     let length: f64 = parts.clone().map(|(_, w)| w).sum();
                     let sum: f64 = parts.map(|(s, w)| w * s.value).sum();
@@ -238,11 +238,10 @@ impl DiscreteModel for SplatModel {
 }
 
 impl SplatModel {
-    /// θ and b of classified splats, each with ∫ of its kernel.
-    fn lit<'s>(&self, parts: impl Iterator<Item = (&'s ExactSplat, f64)>) -> SegmentTerm {
+    /// θ and b of classified splats: (q, κ) of each, and ∫ of its kernel.
+    fn lit(parts: impl Iterator<Item = ([f64; 4], f64)>) -> SegmentTerm {
         let (mut light, mut tau) = ([0.0; 3], 0.0);
-        for (splat, weight) in parts {
-            let optics = self.optics(splat);
+        for (optics, weight) in parts {
             for c in 0..3 {
                 light[c] += weight * optics[c];
             }
@@ -263,17 +262,22 @@ impl SplatModel {
         let Ok(sheets) = ImageSheets::new(&self.renderer, &self.scene.volume, input, seen) else { return Vec::new() };
         let half = seen.half_depth();
         let sloped = matches!(input, SplatInput::Points(_)) && GradientOptics::new(&self.scene).is_some();
-        // The splats that each sheet has a section of.
-        let mut parts: BTreeMap<u32, Vec<&ExactSplat>> = BTreeMap::new();
+        // Classified once, for all sheets that have a section of it: a gradient may be a sum over many kernels.
+        let classified = |s: &ExactSplat| if self.renderer.splats_light() { self.optics(s) } else { [0.0; 4] };
+        // The splats that each sheet has a section of, with their (q, κ).
+        let mut parts: BTreeMap<u32, (Vec<&ExactSplat>, Vec<[f64; 4]>)> = BTreeMap::new();
         for s in splats {
+            let optics = classified(s);
             let at = |depth: f64| (depth / sheets.distance).floor().clamp(0.0, f64::from(sheets.count - 1)) as u32;
             for sheet in at(s.place.z - half / s.scale)..=at(s.place.z + half / s.scale) {
-                parts.entry(sheet).or_default().push(s);
+                let (splats, lights) = parts.entry(sheet).or_default();
+                splats.push(s);
+                lights.push(optics);
             }
         }
         // One part a sheet, front to back.
         let mut found = Vec::new();
-        for (sheet, parts) in parts {
+        for (sheet, (parts, lights)) in parts {
             let [from, to] = [sheet, sheet + 1].map(|k| (f64::from(k) * sheets.distance).max(near).min(far));
             if from >= to {
                 continue;
@@ -291,7 +295,8 @@ impl SplatModel {
             // Sections are most of the work: each is taken once.
             let weighed: Vec<(&ExactSplat, f64)> = parts.iter().map(|s| (*s, section(s))).collect();
             if self.renderer.splats_light() {
-                found.push(Part::Light(self.lit(weighed.into_iter())));
+                let weights = weighed.iter().map(|(_, weight)| *weight);
+                found.push(Part::Light(Self::lit(lights.into_iter().zip(weights))));
                 continue;
             }
             let (mut sum, mut weight) = (0.0, 0.0);
