@@ -42,5 +42,10 @@
 //! # }
 //! ```
 
+pub mod message;
+pub mod page;
+pub mod question;
+#[cfg(feature = "server")]
 pub mod server;
 pub mod session;
+pub mod upload;
