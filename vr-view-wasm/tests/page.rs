@@ -228,9 +228,9 @@ fn a_dropped_file_is_read_in_the_page_and_undone() {
 
 #[test]
 fn an_edit_cancels_what_it_makes_stale() {
-    let Some((mut browser, _folder)) = opened([1600, 1000]) else { return };
+    let Some((mut browser, _folder)) = opened([1000, 700]) else { return };
     let time_of_proof = number(&mut browser, "window.vr.status.head.milliseconds");
-    assert!(time_of_proof > 300.0, "long enough to be interrupted: {time_of_proof} ms");
+    assert!(time_of_proof > 1000.0, "long enough to be interrupted: {time_of_proof} ms");
     // Turn; as soon as the error is measured, the proof is on its way; turn again in the middle of it.
     browser.value("window.vr.send({kind: 'orbit', right: 10, up: 0})");
     browser.wait("window.vr.status.head.stage === 'measured'");
@@ -243,7 +243,7 @@ fn an_edit_cancels_what_it_makes_stale() {
     let stage = browser.value("window.vr.status.head.stage");
     println!("a proof takes {time_of_proof:.0} ms; an edit in the middle of one is shown after {waited:?}");
     assert!(stage != "proven", "the proof of the view before is not shown");
-    assert!(waited.as_secs_f64() < 0.5e-3 * time_of_proof.max(600.0), "{waited:?} of {time_of_proof} ms");
+    assert!(waited.as_secs_f64() < (1e-4 * time_of_proof).max(0.5), "{waited:?} of {time_of_proof} ms");
     rest(&mut browser);
     no_complaints(&browser);
 }

@@ -10,6 +10,8 @@ const AXES = ["x", "y", "z"];
 const KEY_STEP = 0.01;
 const PAGE_STEP = 0.1;
 const MIN_SHARE = 0.005;
+/** Pixels from the rim of the picture within which every handle stays, so that a face that is out of sight can be taken hold of. */
+const RIM = 18;
 /** Pixels of a face's way for those of a way across the view, below which the way is too short to be followed: up and down count then. */
 const MIN_SLANT = 0.2;
 
@@ -106,10 +108,12 @@ export class CropBox {
     }
     const [low, high] = this.opened.bounds;
     const unit = this.opened.unit ?? (this.opened.patient ? "mm" : "");
+    const sides = [this.picture.clientWidth, this.picture.clientHeight];
     for (const { handle, axis, end } of this.handles) {
       const at = this.place(camera, this.middle(this.corners, axis, end));
       handle.toggleAttribute("hidden", !at);
-      if (at) handle.setAttribute("transform", `translate(${at[0]} ${at[1]})`);
+      const [x, y] = (at ?? [0, 0]).map((place, k) => Math.min(Math.max(place, RIM), Math.max(sides[k] - RIM, RIM)));
+      if (at) handle.setAttribute("transform", `translate(${x} ${y})`);
       const now = this.corners[end][axis];
       const told = { "aria-valuemin": low[axis], "aria-valuemax": high[axis], "aria-valuenow": now, "aria-valuetext": `${short(now)} ${unit}`.trim() };
       for (const [key, value] of Object.entries(told)) handle.setAttribute(key, value);
