@@ -108,11 +108,13 @@ export class CropBox {
     }
     const [low, high] = this.opened.bounds;
     const unit = this.opened.unit ?? (this.opened.patient ? "mm" : "");
-    const sides = [this.picture.clientWidth, this.picture.clientHeight];
+    // What lies over the picture is above the handles.
+    const top = Math.max(byId("top").getBoundingClientRect().bottom - this.picture.getBoundingClientRect().top, 0);
+    const ends = [[0, this.picture.clientWidth], [top, this.picture.clientHeight]];
     for (const { handle, axis, end } of this.handles) {
       const at = this.place(camera, this.middle(this.corners, axis, end));
       handle.toggleAttribute("hidden", !at);
-      const [x, y] = (at ?? [0, 0]).map((place, k) => Math.min(Math.max(place, RIM), Math.max(sides[k] - RIM, RIM)));
+      const [x, y] = (at ?? [0, 0]).map((place, k) => Math.max(Math.min(place, ends[k][1] - RIM), ends[k][0] + RIM));
       if (at) handle.setAttribute("transform", `translate(${x} ${y})`);
       const now = this.corners[end][axis];
       const told = { "aria-valuemin": low[axis], "aria-valuemax": high[axis], "aria-valuenow": now, "aria-valuetext": `${short(now)} ${unit}`.trim() };

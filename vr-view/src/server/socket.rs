@@ -90,7 +90,7 @@ async fn receive(
             let _ = close("too many messages without sense").await;
             break;
         }
-        if answers.send(words(&refused)).await.is_err() {
+        if answers.send(text_message(&refused)).await.is_err() {
             break;
         }
     }
@@ -107,8 +107,8 @@ async fn send(
     let (mut pictures, mut words) = service.hub.listen();
     let coding = service.coding();
     let state = blocking(service, Session::state).await?;
-    put(&mut sink, words(&Told::Hello { client, version: VERSION })).await?;
-    put(&mut sink, words(&Told::State { state: &state })).await?;
+    put(&mut sink, text_message(&Told::Hello { client, version: VERSION })).await?;
+    put(&mut sink, text_message(&Told::State { state: &state })).await?;
     pictures.mark_changed();
     let mut opened = Box::pin(service.clone().opened());
     let mut has_opened = false;
@@ -118,7 +118,7 @@ async fn send(
             answer = answers.recv() => answer?,
             opened = &mut opened, if !has_opened => {
                 has_opened = true;
-                words(&Told::Opened { opened: &opened })
+                text_message(&Told::Opened { opened: &opened })
             }
             word = words.recv() => match word {
                 Ok(Output::Volume) => {
@@ -126,13 +126,13 @@ async fn send(
                     continue;
                 }
                 Ok(output) => match Told::of(&output) {
-                    Some(told) => words(&told),
+                    Some(told) => text_message(&told),
                     None => continue,
                 },
                 Err(RecvError::Lagged(_)) => {
                     // Another volume may have been among the words that were missed.
                     (opened, has_opened) = (Box::pin(service.clone().opened()), false);
-                    words(&Told::State { state: &blocking(service, Session::state).await? })
+                    text_message(&Told::State { state: &blocking(service, Session::state).await? })
                 }
                 Err(RecvError::Closed) => return None,
             },
@@ -143,7 +143,7 @@ async fn send(
                 Message::Binary(picture_message(&picture, client, coding).into())
             }
             () = service.ending() => {
-                put(&mut sink, words(&Told::Bye)).await?;
+                put(&mut sink, text_message(&Told::Bye)).await?;
                 return None;
             }
         };
@@ -155,7 +155,7 @@ async fn send(
     }
 }
 
-fn words(told: &Told<'_>) -> Message {
+fn text_message(told: &Told<'_>) -> Message {
     Message::Text(told.text().into())
 }
 

@@ -27,7 +27,7 @@ fn faces_follow_the_pointer_and_keys_and_are_undone() {
     // An oblique view, so that every face has a way across the picture, from so far that all of them are seen.
     let before = picture(&mut browser);
     browser.value(
-        "window.vr.send({kind: 'orbit', right: 25, up: 20}); window.vr.send({kind: 'zoom', factor: 0.5, at: [0, 0]})",
+        "window.vr.send({kind: 'orbit', right: 25, up: 20}); window.vr.send({kind: 'zoom', factor: 0.35, at: [0, 0]})",
     );
     settled(&mut browser, before);
     assert_eq!(browser.value("document.querySelector('#crop-box').checkVisibility()"), false);
