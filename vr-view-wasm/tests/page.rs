@@ -33,6 +33,21 @@ fn page() -> Option<String> {
     Some(package(&bytes).unwrap())
 }
 
+/// One browser at a time draws: each has one thread, and all of them would wait for each other.
+static TURN: std::sync::Mutex<()> = std::sync::Mutex::new(());
+
+fn turn() -> std::sync::MutexGuard<'static, ()> {
+    TURN.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+/// Has the picture at rest be sharp, and not proven, which takes long.
+fn unproven(browser: &mut Browser) {
+    browser.wait("Boolean(window.vr?.status.head)");
+    browser.value("window.vr.send({kind: 'quality', quality: 'normal'})");
+    browser.wait("window.vr.rests");
+    rest(browser);
+}
+
 /// A browser with the page, opened as a file, and the folder of that.
 fn opened(size: [u32; 2]) -> Option<(Browser, tempfile::TempDir)> {
     let page = page()?;
@@ -40,7 +55,6 @@ fn opened(size: [u32; 2]) -> Option<(Browser, tempfile::TempDir)> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("vr.html"), page).unwrap();
     browser.open(&address(folder.path()), size, "dark");
-    rest(&mut browser);
     Some((browser, folder))
 }
 
@@ -127,16 +141,18 @@ fn no_complaints(browser: &Browser) {
 
 #[test]
 fn opened_as_a_file_it_draws_what_the_program_draws() {
+    let _turn = turn();
     let Some((mut browser, folder)) = opened(SIZE) else { return };
+    rest(&mut browser);
     let status = browser.value("document.getElementById('status').innerText").as_str().unwrap().to_owned();
     assert!(status.contains("raycast") && status.contains("every pixel within 0.004: proven"), "{status}");
     assert_truth(&mut browser, folder.path());
     screenshot(&mut browser, "local-dark-700");
     // Turn, shade, crop, another renderer.
     let edits = [
+        json!({"kind": "quality", "quality": "normal"}),
         json!({"kind": "orbit", "right": 40, "up": 15}),
         json!({"kind": "projection", "perspective": true}),
-        json!({"kind": "quality", "quality": "normal"}),
         json!({"kind": "renderer", "name": "shearwarp"}),
     ];
     for edit in edits {
@@ -171,6 +187,7 @@ fn opened_as_a_file_it_draws_what_the_program_draws() {
 
 #[test]
 fn it_is_served_by_any_host_and_asks_it_for_nothing_else() {
+    let _turn = turn();
     let Some(page) = page() else { return };
     let Some(mut browser) = Browser::start() else { return };
     // A host that has one file, and counts what it is asked for.
@@ -195,7 +212,7 @@ fn it_is_served_by_any_host_and_asks_it_for_nothing_else() {
         }
     });
     browser.open(&format!("http://{host}/vr.html"), SIZE, "light");
-    rest(&mut browser);
+    unproven(&mut browser);
     assert_truth(&mut browser, Path::new(""));
     // The policy forbids to ask any other place, and this one.
     for place in ["'vr.html'", "'http://127.0.0.1:9/'"] {
@@ -207,7 +224,9 @@ fn it_is_served_by_any_host_and_asks_it_for_nothing_else() {
 
 #[test]
 fn a_dropped_file_is_read_in_the_page_and_undone() {
+    let _turn = turn();
     let Some((mut browser, folder)) = opened(SIZE) else { return };
+    unproven(&mut browser);
     let header = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 12 10 8\nencoding: raw\nspacings: 1 1 2\n\n";
     let voxels: Vec<u8> = (0..12 * 10 * 8).map(|i| (i * 7 % 12 + 20 * (i / 120)) as u8).collect();
     let bytes = [header.as_bytes(), &voxels].concat();
@@ -243,36 +262,37 @@ fn a_dropped_file_is_read_in_the_page_and_undone() {
 
 #[test]
 fn an_edit_cancels_what_it_makes_stale() {
-    let Some((mut browser, _folder)) = opened([1000, 700]) else { return };
-    let time_of_proof = number(&mut browser, "window.vr.status.head.milliseconds");
-    assert!(time_of_proof > 1000.0, "long enough to be interrupted: {time_of_proof} ms");
-    // Turn; as soon as the error is measured, the proof is on its way; turn again in the middle of it.
-    browser.value("window.vr.send({kind: 'orbit', right: 10, up: 0})");
-    browser.wait("window.vr.status.head.stage === 'measured'");
-    std::thread::sleep(Duration::from_millis(60));
+    let _turn = turn();
+    let Some((mut browser, _folder)) = opened(SIZE) else { return };
+    // The proof is on its way as soon as the error is measured; turn in the middle of it.
+    browser.wait("window.vr?.status.head?.stage === 'measured'");
+    std::thread::sleep(Duration::from_millis(200));
     let last = newest(&mut browser);
     let start = Instant::now();
     browser.value("window.vr.send({kind: 'orbit', right: 10, up: 0})");
     browser.wait(&format!("window.vr.status.head.picture > {last}"));
     let waited = start.elapsed();
-    let stage = browser.value("window.vr.status.head.stage");
-    println!("a proof takes {time_of_proof:.0} ms; an edit in the middle of one is shown after {waited:?}");
-    assert!(stage != "proven", "the proof of the view before is not shown");
-    assert!(waited.as_secs_f64() < (1e-4 * time_of_proof).max(0.5), "{waited:?} of {time_of_proof} ms");
+    assert!(browser.value("window.vr.status.head.stage") != "proven", "the proof of the view before is not shown");
     rest(&mut browser);
+    let time_of_proof = number(&mut browser, "window.vr.status.head.milliseconds");
+    println!("a proof takes {time_of_proof:.0} ms; an edit in the middle of one is shown after {waited:?}");
+    assert!(time_of_proof > 1000.0, "long enough to be interrupted: {time_of_proof} ms");
+    assert!(waited.as_secs_f64() < (1e-4 * time_of_proof).max(0.5), "{waited:?} of {time_of_proof} ms");
     no_complaints(&browser);
 }
 
 #[test]
 fn it_says_what_it_cannot_do_on_screens_of_all_widths() {
+    let _turn = turn();
     let Some((mut browser, folder)) = opened(SIZE) else { return };
+    unproven(&mut browser);
     let shown = "document.getElementById('section-local').checkVisibility()";
     assert_eq!(browser.value(shown), true);
     assert_eq!(browser.value("document.getElementById('save-exr').checkVisibility()"), false);
     for [width, height] in [[360, 740], [1280, 800]] {
         for scheme in ["dark", "light"] {
             browser.open(&address(folder.path()), [width, height], scheme);
-            rest(&mut browser);
+            browser.wait("window.vr?.status.head?.stage === 'measured'");
             let wide = "[...document.querySelectorAll('header, footer, #stage, #panel')].filter((e) => !e.inert).map((e) => e.getBoundingClientRect())\
                         .every((b) => b.left >= 0 && b.right <= innerWidth + 0.5 && b.top >= 0 && b.bottom <= innerHeight + 0.5)";
             assert_eq!(browser.value(wide), true, "{width} {scheme}");
