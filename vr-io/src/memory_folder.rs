@@ -38,8 +38,8 @@ impl MemoryFolder {
     pub fn new(files: impl IntoIterator<Item = (String, Vec<u8>)>) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(1);
         let files = files.into_iter().map(|(name, bytes)| (name, Arc::new(bytes))).collect();
-        // No folder of a disk has a name with a line feed in it by chance.
-        let path = PathBuf::from(format!("memory\n{}", NEXT.fetch_add(1, Ordering::Relaxed)));
+        // No folder of a disk has such a name by chance; messages print it as it is, so that it can be taken out of them.
+        let path = PathBuf::from(format!("vr-memory:{}", NEXT.fetch_add(1, Ordering::Relaxed)));
         locked(&FOLDERS).insert(path.clone(), Arc::new(files));
         Self(path)
     }
