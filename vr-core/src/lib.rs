@@ -48,6 +48,7 @@ pub mod cells;
 mod central_differences;
 mod classification;
 mod clip_error;
+pub mod clock;
 mod color_grid;
 mod compositing;
 mod configurable;

@@ -1,6 +1,8 @@
 //! Statistics of a render.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use crate::clock::Instant;
 
 /// Counts of the work along rays.
 ///

@@ -11,7 +11,7 @@ use crate::points::{self, PointFormat};
 use crate::raw::RawDescription;
 use crate::read::file_head;
 use crate::vtk::{self, ImageFormat, RectilinearFormat};
-use crate::{advice, mrc, netcdf, npy, opendx, pvm, slc, slices, vdb, voreen, zarr};
+use crate::{advice, memory_folder, mrc, netcdf, npy, opendx, pvm, slc, slices, vdb, voreen, zarr};
 
 /// The formats that are read.
 #[derive(Debug, PartialEq)]
@@ -259,12 +259,16 @@ fn is_bare_dicom(head: &[u8]) -> bool {
 fn holds_dicom(folder: &Path) -> bool {
     // Files are opened one by one: a folder of something else may hold many.
     const MAX_OPENED: usize = 256;
-    let Ok(entries) = folder.read_dir() else { return false };
-    let paths: Vec<_> = entries.flatten().map(|e| e.path()).collect();
+    let Ok(entries) = memory_folder::entries(folder) else { return false };
+    let paths: Vec<_> = entries.flatten().collect();
     let named =
         |p: &Path| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("dcm") || e.eq_ignore_ascii_case("ima"));
     paths.iter().any(|p| named(p))
-        || paths.iter().take(MAX_OPENED).filter(|p| p.is_file()).any(|p| file_head(p).is_ok_and(|head| is_dicom(&head)))
+        || paths
+            .iter()
+            .take(MAX_OPENED)
+            .filter(|p| memory_folder::is_file(p))
+            .any(|p| file_head(p).is_ok_and(|head| is_dicom(&head)))
 }
 
 fn unsupported_by_extension(extension: &str) -> Option<&'static str> {

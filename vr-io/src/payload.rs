@@ -102,7 +102,9 @@ impl Payload {
             let first = offset + (layout.offset * size) as u64;
             let io = |e| FileError::new(&segment.path, e);
             with_scalar!(self.scalar, S => {
-                if let Some(mapped) = MappedVoxels::<S>::new(file.get_ref().get_ref(), first, layout.count()).map_err(io)? {
+                if let Some(file) = file.get_ref().on_disk()
+                    && let Some(mapped) = MappedVoxels::<S>::new(file, first, layout.count()).map_err(io)?
+                {
                     return Ok(S::remember(Stored::Mapped(mapped), notes));
                 }
             });

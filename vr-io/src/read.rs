@@ -15,6 +15,7 @@ use crate::encoding::Encoding;
 use crate::error::{FieldError, FileError};
 use crate::given_place::GivenPlace;
 use crate::layout::Layout;
+use crate::memory_folder;
 use crate::nifti::Transform;
 use crate::notes::Notes;
 use crate::points::{self, LoadedPoints, PointFormat, PointOptions};
@@ -266,7 +267,7 @@ enum Described {
 
 /// Reads the header alone.
 fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> {
-    let (format, head) = if path.is_dir() {
+    let (format, head) = if memory_folder::is_folder(path) {
         (detect_folder(path)?, Vec::new())
     } else if slices::is_pattern(path) {
         (Format::Slices, Vec::new())
@@ -425,7 +426,7 @@ fn assemble(
         notes.extend(missing_voxels(&volume));
     }
     // A folder or a pattern is no file.
-    let named = [path.to_path_buf(), header].into_iter().filter(|path| path.is_file());
+    let named = [path.to_path_buf(), header].into_iter().filter(|path| memory_folder::is_file(path));
     let files = each_once(named.chain(data_files.iter().cloned()));
     let info = FileInfo {
         format,

@@ -2,23 +2,72 @@
 //! a pipe blocks until another process writes to it.
 
 use std::fs::{self, File, FileType};
-use std::io::{self, ErrorKind, Read};
+use std::io::{self, Cursor, ErrorKind, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use vr_core::memory;
 
+use crate::memory_folder::{self, MemoryFile};
 use crate::polled::Polled;
 
 /// Longest text that a person writes, and that is parsed as a whole: four times a scene file with a volume of 64³ voxels in it.
 pub(crate) const MAX_TEXT: u64 = 1 << 24;
 
 /// A file that is read, until the work that reads it is cancelled.
-pub(crate) type RegularFile = Polled<File>;
+pub(crate) type RegularFile = Polled<Opened>;
 
 impl RegularFile {
     /// Length in bytes.
     pub fn length(&self) -> io::Result<u64> {
-        Ok(self.get_ref().metadata()?.len())
+        match self.get_ref() {
+            Opened::Disk(file) => Ok(file.metadata()?.len()),
+            Opened::Memory(bytes) => Ok(bytes.get_ref().as_ref().len() as u64),
+        }
+    }
+
+    /// The file of the system; `None` for one in memory.
+    pub fn on_disk(&self) -> Option<&File> {
+        match self.get_ref() {
+            Opened::Disk(file) => Some(file),
+            Opened::Memory(_) => None,
+        }
+    }
+}
+
+/// An open file.
+#[derive(Debug)]
+pub(crate) enum Opened {
+    /// One of the system.
+    Disk(File),
+    /// One of a [`MemoryFolder`](crate::MemoryFolder).
+    Memory(Cursor<SharedBytes>),
+}
+
+/// Bytes of a file in memory, as a stream reads them.
+#[derive(Debug)]
+pub(crate) struct SharedBytes(MemoryFile);
+
+impl AsRef<[u8]> for SharedBytes {
+    fn as_ref(&self) -> &[u8] {
+        &self.0
+    }
+}
+
+impl Read for Opened {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::Disk(file) => file.read(out),
+            Self::Memory(bytes) => bytes.read(out),
+        }
+    }
+}
+
+impl Seek for Opened {
+    fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
+        match self {
+            Self::Disk(file) => file.seek(place),
+            Self::Memory(bytes) => bytes.seek(place),
+        }
     }
 }
 
@@ -27,12 +76,15 @@ impl RegularFile {
 /// # Errors
 /// Those of the system, and [`ErrorKind::InvalidInput`] for anything but a regular file.
 pub(crate) fn open(path: &Path) -> io::Result<RegularFile> {
+    if let Some(found) = memory_folder::find(path) {
+        return Ok(Polled::new(Opened::Memory(Cursor::new(SharedBytes(found?)))));
+    }
     let kind = fs::metadata(path)?.file_type();
     if !kind.is_file() {
         let message = format!("is {}; must be a regular file", name_of(kind));
         return Err(io::Error::new(ErrorKind::InvalidInput, message));
     }
-    File::open(path).map(Polled::new)
+    Ok(Polled::new(Opened::Disk(File::open(path)?)))
 }
 
 /// Reads a whole file of at most `limit` bytes.

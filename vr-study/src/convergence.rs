@@ -38,6 +38,7 @@ pub enum Refined {
 
 impl Refined {
     /// All of them, in the order of a report.
+    #[cfg(feature = "report")]
     pub(crate) const ALL: [Self; 6] =
         [Self::Step, Self::StepAtJumps, Self::StepOnLevels, Self::StepOnUnevenAxes, Self::Grid, Self::Pixels];
 

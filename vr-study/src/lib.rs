@@ -17,7 +17,7 @@
 //! | the cheapest setting within an error | [`choose`] |
 //! | parts of long work that are done, on disk | [`journal`] |
 //! | the figures that no later version may be worse than | [`baseline`] |
-//! | pages, plots, tables | [`report`] |
+//! | pages, plots, tables (the feature of that name, on by default) | `report` |
 //!
 //! # Example
 //! ```
@@ -61,6 +61,7 @@ pub mod point;
 pub mod ray;
 pub mod reference;
 mod refined_grid;
+#[cfg(feature = "report")]
 pub mod report;
 pub mod scaling;
 pub mod stability;

@@ -1,8 +1,8 @@
 //! The textures that a prepared renderer keeps from picture to picture: made when a view first needs them, within the budget.
 
 use std::sync::Arc;
-use std::time::Instant;
 
+use vr_core::clock::Instant;
 use vr_core::filter::Lattice;
 use vr_core::{Control, Counts, GradientMethod, GridVolume, RenderError, RenderStats, Scene, View, memory, with_grid};
 use vr_kernels::vector::Operator;

@@ -1,6 +1,7 @@
 //! A window into a volume: a session that takes edits and gives pictures with their errors, a server, and a page.
 //!
-//! [`session`] knows scenes and renderers, and no network; [`server`] puts one session before browsers; the page is embedded in it.
+//! [`session`] knows scenes and renderers, and no network; [`message`], [`question`] and [`upload`] are what passes between it and a [`page`], whatever
+//! carries it; `server` (the feature of that name, on by default) puts one session before browsers.
 //!
 //! # Example
 //! A phantom is turned, and drawn again until each of its pixels is proven to be within 0.004 of the truth:
@@ -42,5 +43,10 @@
 //! # }
 //! ```
 
+pub mod message;
+pub mod page;
+pub mod question;
+#[cfg(feature = "server")]
 pub mod server;
 pub mod session;
+pub mod upload;

@@ -32,6 +32,7 @@ use std::path::Path;
 
 use crate::error::{FieldError, FileError};
 use crate::layout::{Axis, Layout, Role};
+use crate::memory_folder;
 use crate::notes::Notes;
 use crate::read::{Description, ReadOptions, Scan};
 
@@ -82,7 +83,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
 /// The files of the series that a path names.
 fn files(path: &Path, options: &ReadOptions, notes: &mut Vec<String>) -> Result<Vec<DicomFile>, FileError> {
     let choice = options.series.as_deref();
-    if path.is_dir() {
+    if memory_folder::is_folder(path) {
         let files = series::images_of_folder(path, notes)?;
         let files = series::choose(path, files, choice, notes)?;
         return Ok(series::without_strays(files, notes));

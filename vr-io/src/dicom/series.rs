@@ -10,6 +10,7 @@ use super::elements::Elements;
 use super::file::DicomFile;
 use super::tags;
 use crate::error::{FieldError, FileError, shown};
+use crate::memory_folder;
 
 /// Series that a message lists.
 const MAX_LISTED: usize = 20;
@@ -24,12 +25,12 @@ struct Series {
 pub(super) fn images_of_folder(folder: &Path, notes: &mut Vec<String>) -> Result<Vec<DicomFile>, FileError> {
     let in_folder = |e| FileError::new(folder, e);
     let mut paths: Vec<PathBuf> = Vec::new();
-    for entry in folder.read_dir().map_err(in_folder)? {
-        paths.push(entry.map_err(in_folder)?.path());
+    for path in memory_folder::entries(folder).map_err(in_folder)? {
+        paths.push(path.map_err(in_folder)?);
     }
     // Nothing depends on names, but that the same folder gives the same errors.
     paths.sort();
-    paths.retain(|path| path.is_file());
+    paths.retain(|path| memory_folder::is_file(path));
     let opened = parallel::try_collect(paths.len(), |i| DicomFile::open_if_dicom(&paths[i]))?;
     let count = opened.len();
     let mut files: Vec<DicomFile> = opened.into_iter().flatten().collect();

@@ -11,6 +11,7 @@ use vr_core::Calibration;
 use crate::encoding::Encoding;
 use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::layout::{Axis, Layout, Role};
+use crate::memory_folder;
 use crate::notes::Notes;
 use crate::payload::{Payload, Segment, Skip};
 use crate::read::{Description, ReadOptions};
@@ -155,5 +156,5 @@ fn sibling(path: &Path, this: &str, other: &str) -> Option<PathBuf> {
     [format!("{stem}{other}"), format!("{stem}{other}.gz")]
         .into_iter()
         .map(|n| path.with_file_name(n))
-        .find(|p| p.exists())
+        .find(|p| memory_folder::exists(p))
 }

@@ -56,7 +56,11 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
 
 /// Keys about segments in the header of a file; `None` for a file that is no NRRD.
 pub(crate) fn segment_keys(path: &Path) -> Result<Option<BTreeMap<String, String>>, FileError> {
-    let head = if path.is_file() { file_head(path).map_err(|e| FileError::new(path, e))? } else { Vec::new() };
+    let head = if crate::memory_folder::is_file(path) {
+        file_head(path).map_err(|e| FileError::new(path, e))?
+    } else {
+        Vec::new()
+    };
     Ok(if head.starts_with(b"NRRD") { Some(Header::read(path)?.key_values_of("Segment")) } else { None })
 }
 

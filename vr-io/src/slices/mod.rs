@@ -14,6 +14,7 @@ use crate::claim::check_claim;
 use crate::error::{FieldError, FileError};
 use crate::file_pattern;
 use crate::layout::{Axis, Layout, Role};
+use crate::memory_folder;
 use crate::notes::Notes;
 use crate::read::{Description, ReadOptions};
 use crate::scalar::Endian;
@@ -34,18 +35,18 @@ pub(crate) fn is_slice(path: &Path) -> bool {
 
 /// True if the path names no file, but is a pattern that stands for several.
 pub(crate) fn is_pattern(path: &Path) -> bool {
-    path.file_name().is_some_and(|name| name.to_string_lossy().contains('%')) && !path.exists()
+    path.file_name().is_some_and(|name| name.to_string_lossy().contains('%')) && !memory_folder::exists(path)
 }
 
 /// True if a folder holds pictures.
 pub(crate) fn is_folder_of_slices(path: &Path) -> bool {
-    path.read_dir().is_ok_and(|mut entries| entries.any(|e| e.is_ok_and(|e| is_slice(&e.path()))))
+    memory_folder::entries(path).is_ok_and(|mut entries| entries.any(|e| e.is_ok_and(|path| is_slice(&path))))
 }
 
 /// Reads the headers of all slices of a folder or a pattern.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let mut notes = Notes::default();
-    let files = if path.is_dir() {
+    let files = if memory_folder::is_folder(path) {
         of_folder(path, &mut notes)?
     } else if is_pattern(path) {
         of_pattern(path)?
@@ -170,11 +171,11 @@ fn of_pattern(path: &Path) -> Result<Vec<PathBuf>, FileError> {
 fn file_names(folder: &Path) -> Result<Vec<String>, FileError> {
     let io = |e| FileError::new(folder, e);
     let mut names = Vec::new();
-    for entry in folder.read_dir().map_err(io)? {
-        let entry = entry.map_err(io)?;
-        let Ok(name) = entry.file_name().into_string() else { continue };
-        if !name.starts_with('.') && entry.path().is_file() {
-            names.push(name);
+    for path in memory_folder::entries(folder).map_err(io)? {
+        let path = path.map_err(io)?;
+        let Some(name) = path.file_name().and_then(|name| name.to_str()) else { continue };
+        if !name.starts_with('.') && memory_folder::is_file(&path) {
+            names.push(name.to_owned());
         }
         if names.len() > MAX_SLICES {
             return Err(

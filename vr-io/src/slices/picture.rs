@@ -11,6 +11,7 @@ use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use crate::claim::check_claim;
 use crate::error::{FieldError, FileError, FileErrorKind};
+use crate::memory_folder;
 use crate::regular_file::{self, RegularFile};
 use crate::scalar::ScalarType;
 use crate::tiff::{self, Spacing, decode_page, first_directory, first_page};
@@ -95,7 +96,7 @@ pub(super) struct Picture {
 impl Picture {
     /// Reads the header of a picture.
     pub fn describe(path: &Path) -> Result<Self, FileError> {
-        let stored = std::fs::metadata(path).map_err(|e| FileError::new(path, e))?.len();
+        let stored = memory_folder::length(path).map_err(|e| FileError::new(path, e))?;
         let picture = match kind_of(path)? {
             Kind::Tiff => {
                 let (page, more) = first_page(path)?;

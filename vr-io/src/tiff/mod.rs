@@ -76,7 +76,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     let (pages, text) = read_pages(path, &mut file, &mut notes)?;
     let first = &pages[0];
     let resolution = first.resolution.clone();
-    let length = std::fs::metadata(path).map_err(|e| FileError::new(path, e))?.len();
+    let length = crate::memory_folder::length(path).map_err(|e| FileError::new(path, e))?;
 
     let mut arrangement = Arrangement::read(path, text.as_deref(), first, &mut notes)?;
     let contiguous = first.start.filter(|&start| {

@@ -77,7 +77,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
 /// A file of three 16-bit sizes, and as many 16-bit numbers, little-endian.
 fn describe_sizes(path: &Path, head: &[u8], options: &ReadOptions) -> Result<Description, FileError> {
     const HEADER: u64 = 6;
-    let length = std::fs::metadata(path).map_err(|e| FileError::new(path, e))?.len();
+    let length = crate::memory_folder::length(path).map_err(|e| FileError::new(path, e))?;
     let sizes = head.as_chunks::<2>().0.first_chunk::<3>().map(|s| s.map(u16::from_le_bytes));
     let fits = |s: &[u16; 3]| s.iter().map(|&n| u64::from(n)).product::<u64>() * 2 + HEADER == length;
     let sizes = sizes.filter(fits).ok_or_else(|| {

@@ -122,7 +122,7 @@ fn data_file(path: &Path, data: Node<'_, '_>) -> Result<PathBuf, FieldError> {
             .collect(),
     };
     let paths = || names.iter().map(|name| folder.join(name.replace('\\', "/")));
-    let first = paths().find(|p| p.is_file()).or_else(|| paths().next());
+    let first = paths().find(|p| crate::memory_folder::is_file(p)).or_else(|| paths().next());
     first.ok_or_else(|| FieldError::new("RawData filename", "nothing", "the attribute is required"))
 }
 

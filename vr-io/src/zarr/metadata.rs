@@ -11,7 +11,7 @@ use super::codec::Codec;
 use super::json::{self, shown};
 
 /// Largest number of bytes of a chunk, decoded: what a 32-bit length can count.
-const MAX_CHUNK_BYTES: usize = 1 << 32;
+const MAX_CHUNK_BYTES: u64 = 1 << 32;
 
 /// Everything that is needed to find and decode the chunks of an array.
 #[derive(Debug)]
@@ -68,7 +68,7 @@ impl Array {
             return Err(FieldError::new("chunks", found, format!("must be the {n} axes of the shape")));
         }
         let bytes = array.chunk.iter().try_fold(array.scalar.bytes(), |n, &c| n.checked_mul(c));
-        if bytes.is_none_or(|bytes| bytes > MAX_CHUNK_BYTES) {
+        if bytes.is_none_or(|bytes| bytes as u64 > MAX_CHUNK_BYTES) {
             let allowed = format!("must be at most {MAX_CHUNK_BYTES} bytes each");
             return Err(FieldError::new("chunks", format_args!("{:?}", array.chunk), allowed));
         }

@@ -1,8 +1,9 @@
 //! Pictures by random paths.
 
 use std::sync::Mutex;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use vr_core::clock::Instant;
 use vr_core::parallel::{locked, try_each};
 use vr_core::{Control, ParameterError, Rays, RenderError, View};
 

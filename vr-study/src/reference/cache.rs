@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
 use std::{fmt, fs};
 
 use sha2::{Digest, Sha256};
+use vr_core::clock::Instant;
 use vr_core::{Control, Model, RenderError, Scene, View};
 use vr_physics::{Certainty, DEFAULT_TOLERANCE, Pixel, Reference, Solution};
 

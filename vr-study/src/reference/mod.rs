@@ -6,8 +6,9 @@ mod noise_account;
 mod scattered;
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use vr_core::clock::Instant;
 use vr_core::phantom::Phantom;
 use vr_core::{Control, Frame, Model, RenderError, Scene, Uncertainty, View};
 use vr_physics::metrics::Metrics;

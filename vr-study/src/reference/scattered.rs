@@ -1,7 +1,6 @@
 //! Reference of scenes that scatter: means over random paths, whose noise is known.
 
-use std::time::Instant;
-
+use vr_core::clock::Instant;
 use vr_core::{Control, RenderError, Renderer, Scene, View};
 use vr_light::{LightRenderer, LightScene, PathTracer};
 

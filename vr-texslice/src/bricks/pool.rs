@@ -1,8 +1,9 @@
 //! Bricks that are resident, within a budget.
 
 use std::collections::VecDeque;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use vr_core::clock::Instant;
 use vr_core::{Control, RenderError};
 
 use super::brick::{Brick, BrickKey, BrickSource};

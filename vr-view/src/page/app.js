@@ -1,10 +1,12 @@
 // The page: wires the connection, the picture, the hands and the panels.
 
-import { Connection } from "./connection.js";
+import { Connection, ask } from "./connection.js";
+import { CropBox } from "./crop_box.js";
 import { Curtain } from "./curtain.js";
 import { Curve } from "./curve.js";
 import { ErrorMap } from "./error_map.js";
 import { Hands } from "./hands.js";
+import { isLocal } from "./local.js";
 import { Marks } from "./marks.js";
 import { Panels } from "./panels.js";
 import { OpenPanel } from "./open.js";
@@ -52,6 +54,7 @@ const ray = new RayPanel({ picture, rests, second: (place) => curtain.settingAt(
 const questions = [errorMap, ray, curtain];
 const slices = new Slices({ windows: () => tool === "window", moved: () => redraw() });
 
+const cropBox = new CropBox(byId("crop-box"), { picture: canvas, send });
 const pick = new Pick({ marked: (value) => curve.mark(value) });
 const open = new OpenPanel({ failed: (text) => toast(text) });
 
@@ -69,8 +72,10 @@ const connection = new Connection({
     byId("curtain").hidden = true;
     if (picture.size[0] > 0) send({ kind: "size", size: picture.size });
   },
-  closed(isBye) {
-    byId("curtain-text").textContent = isBye
+  closed(isBye, reason) {
+    byId("curtain-text").textContent = isLocal
+      ? `The program in this page has ended: ${reason}. Load the page anew.`
+      : isBye
       ? "The program has ended. Start vr view again; this page does the rest if it comes back at this address."
       : "The program does not answer. This page connects again by itself.";
     byId("curtain").hidden = false;
@@ -84,11 +89,13 @@ const connection = new Connection({
     curve.open(opened);
     panels.open(opened);
     slices.open(opened);
+    cropBox.open(opened);
     redraw();
   },
   state({ state }) {
     panels.show(state, state.by?.[0] === client);
     curtain.offer(state);
+    cropBox.show(state.clip);
   },
   async picture(head, bytes, since) {
     if (!(await picture.show(head, bytes))) return;
@@ -108,7 +115,9 @@ const connection = new Connection({
 
 function redraw() {
   ray.mark();
-  if (picture.head) marks.draw(picture.head.camera, canvas.clientHeight, slices.shown);
+  if (!picture.head) return;
+  cropBox.draw(picture.head.camera);
+  marks.draw(picture.head.camera, canvas.clientHeight, slices.shown);
 }
 
 /** True if no better picture of this scene is to come. */
@@ -177,6 +186,7 @@ window.addEventListener("keydown", (event) => {
     c: () => curtain.toggle(),
     i: () => ray.open([0, 0]),
     s: () => slices.toggle(),
+    b: () => cropBox.toggle(),
     p: () => togglePanel(),
     "?": () => byId("help").showModal(),
   };
@@ -186,4 +196,4 @@ window.addEventListener("keydown", (event) => {
 window.addEventListener("resize", redraw);
 
 // For tests and for the curious: what is on the screen, and how fast it came.
-window.vr = { status, picture, curve, errorMap, ray, curtain, slices, marks, pick, open, send, get rests() { return rests(); } };
+window.vr = { status, picture, curve, errorMap, ray, curtain, slices, marks, cropBox, pick, open, send, ask, get rests() { return rests(); } };

@@ -1,5 +1,8 @@
 // Another file: named by its path below a folder, chosen, or dropped on the page and sent in pieces.
 
+import { ask } from "./connection.js";
+import { isLocal } from "./local.js";
+
 const byId = (id) => document.getElementById(id);
 
 /** Bytes of a piece. */
@@ -56,7 +59,7 @@ export class OpenPanel {
 
   /** Asks which files can be opened. */
   async list() {
-    const response = await fetch("files").catch(() => null);
+    const response = await ask("files").catch(() => null);
     if (!response?.ok) return;
     this.listing = await response.json();
     const { opens, has_folder: hasFolder, files, max_upload: maxUpload } = this.listing;
@@ -67,13 +70,13 @@ export class OpenPanel {
   }
 
   hint(hasFolder, maxUpload) {
-    const folder = hasFolder ? "" : " With vr view --folder FOLDER, files below it are opened by their paths.";
+    const folder = hasFolder || isLocal ? "" : " With vr view --folder FOLDER, files below it are opened by their paths.";
     return `Choose a file, or drop it on the page: ${size(maxUpload)} at most; several that belong together at once. Curve, light and camera are kept.${folder}`;
   }
 
   /** Sends a request; throws what it answers in words. */
   async request(address, options) {
-    const response = await fetch(address, options);
+    const response = await ask(address, options);
     if (!response.ok) throw new Error((await response.text()).trim() || `the program answers ${response.status}`);
     return response;
   }
@@ -125,7 +128,7 @@ export class OpenPanel {
         }
         this.say("the file is read");
       } catch (error) {
-        await fetch(`upload/${id}`, { method: "DELETE" }).catch(() => null);
+        await ask(`upload/${id}`, { method: "DELETE" }).catch(() => null);
         throw error;
       }
       await this.request(`upload/${id}/open?${new URLSearchParams({ name })}`, { method: "POST" });

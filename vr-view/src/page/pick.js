@@ -1,6 +1,7 @@
 // Pick: the value of what is seen under the pointer, marked in the curve.
 
 import { short } from "./color.js";
+import { ask } from "./connection.js";
 
 const byId = (id) => document.getElementById(id);
 
@@ -43,7 +44,7 @@ export class Pick {
 
   /** What is seen at a place, once. */
   async once([x, y]) {
-    const response = await fetch(`pick?${new URLSearchParams({ x, y })}`).catch(() => null);
+    const response = await ask(`pick?${new URLSearchParams({ x, y })}`).catch(() => null);
     return response?.ok ? response.json() : null;
   }
 }

@@ -1,5 +1,7 @@
 // A question about the picture at rest: asked once, its answer shown, and both taken away as soon as the picture changes.
 
+import { ask } from "./connection.js";
+
 export class Question {
   /**
    * `rests()` is true if no better picture of this scene is to come than the one on the screen; `say(text)` shows words in place of an answer.
@@ -33,7 +35,7 @@ export class Question {
     const own = new AbortController();
     this.waits = own;
     try {
-      const response = await fetch(this.asking(), { signal: own.signal });
+      const response = await ask(this.asking(), { signal: own.signal });
       const found = response.ok ? await this.read(response) : await response.text();
       if (this.waits !== own) return;
       // After an edit, the next picture at rest asks again.

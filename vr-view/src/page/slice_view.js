@@ -1,7 +1,7 @@
 // One slice: its pixels in grey by window and level, the labels over them in their colours, and the crosshair.
 
 import { encoded, short } from "./color.js";
-import { takenApart } from "./connection.js";
+import { ask, takenApart } from "./connection.js";
 import { svg } from "./marks.js";
 
 /** Most pixels along a side that are asked for. */
@@ -122,7 +122,7 @@ export class SliceView {
     const side = Math.min(Math.max(Math.round(Math.max(box.width, box.height) * window.devicePixelRatio), 64), MAX_SIDE);
     try {
       const query = new URLSearchParams({ axis: this.axis, at, side });
-      const response = await fetch(`slice?${query}`, { signal: own.abort.signal });
+      const response = await ask(`slice?${query}`, { signal: own.abort.signal });
       if (!response.ok) throw new Error((await response.text()).trim());
       const data = await response.arrayBuffer();
       if (this.waits !== own) return;

@@ -1,6 +1,7 @@
 // Slices: three of them through one place, beside the picture.
 
 import { short } from "./color.js";
+import { ask } from "./connection.js";
 import { names } from "./marks.js";
 import { NAMES, SliceView } from "./slice_view.js";
 
@@ -131,7 +132,7 @@ export class Slices {
     this.telling = true;
     const [x, y, z] = this.crosshair;
     try {
-      const response = await fetch(`place?${new URLSearchParams({ x, y, z })}`);
+      const response = await ask(`place?${new URLSearchParams({ x, y, z })}`);
       if (!response.ok) throw new Error((await response.text()).trim());
       this.place = await response.json();
       const { value, label } = this.place;

@@ -5,15 +5,12 @@
 
 mod guard;
 mod hub;
-mod message;
 mod opening;
 mod page;
+mod questions;
 mod rate;
-mod slices;
 mod socket;
 mod token;
-mod truth;
-mod upload;
 
 use std::future::Future;
 use std::io;
@@ -25,24 +22,21 @@ use std::time::Duration;
 
 use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::{DefaultBodyLimit, Path, Query, State};
+use axum::extract::{DefaultBodyLimit, State};
 use axum::http::StatusCode;
-use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
-use serde::Deserialize;
 use tokio::sync::{Mutex, Semaphore, watch};
 use vr_core::Control;
 
-use crate::session::{Document, Export, Opened, Session};
+use crate::message::{Coding, MAX_MESSAGE};
+use crate::session::{Document, Opened, Session};
+use crate::upload::MAX_PIECE;
 use hub::Hub;
-use message::Coding;
 use opening::Openings;
 
-pub use message::MAX_MESSAGE;
 pub use opening::{Opening, SubjectReader};
 pub use token::Token;
-pub use upload::{MAX_FILES, MAX_PIECE};
 
 /// Most pages that look at one session.
 pub const MAX_CLIENTS: usize = 8;
@@ -235,13 +229,11 @@ fn router(service: Service) -> Router {
     Router::new()
         .route("/{token}/", get(page::index))
         .route("/{token}/socket", get(connect))
-        .route("/{token}/save/{name}", get(save))
-        .route("/{token}/truth/error-map", get(truth::error_map))
-        .route("/{token}/truth/ray", get(truth::ray))
-        .route("/{token}/truth/second", get(truth::second))
-        .route("/{token}/slice", get(slices::slice))
-        .route("/{token}/place", get(slices::place))
-        .route("/{token}/pick", get(slices::pick))
+        .route("/{token}/save/{name}", get(questions::answer))
+        .route("/{token}/truth/{name}", get(questions::answer))
+        .route("/{token}/slice", get(questions::answer))
+        .route("/{token}/place", get(questions::answer))
+        .route("/{token}/pick", get(questions::answer))
         .route("/{token}/files", get(opening::list))
         .route("/{token}/open", post(opening::open))
         .route("/{token}/upload", post(opening::begin))
@@ -280,38 +272,4 @@ async fn connect(State(service): State<Service>, upgrade: WebSocketUpgrade) -> R
         let _seat = seat;
         socket::serve(socket, service, client).await;
     })
-}
-
-/// Size of a picture to be saved.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SaveQuery {
-    width: Option<u32>,
-    height: Option<u32>,
-}
-
-async fn save(
-    State(service): State<Service>,
-    Path((_, name)): Path<(String, String)>,
-    Query(query): Query<SaveQuery>,
-) -> Response {
-    let size = query.width.zip(query.height).map(|(width, height)| [width, height]);
-    let export = match name.as_str() {
-        "scene.toml" => Export::Scene,
-        "picture.png" => Export::Png { size },
-        "picture.exr" => Export::Exr { size },
-        "transfer.json" => Export::Transfer,
-        _ => return (StatusCode::NOT_FOUND, "not found\n").into_response(),
-    };
-    let _turn = service.exports.acquire().await;
-    let session = Arc::clone(&service.session);
-    match tokio::task::spawn_blocking(move || session.export(export)).await {
-        Ok(Ok(bytes)) => {
-            let disposition = format!("attachment; filename=\"{}\"", export.file_name());
-            ([(CONTENT_TYPE, export.media_type().to_owned()), (CONTENT_DISPOSITION, disposition)], bytes)
-                .into_response()
-        }
-        Ok(Err(e)) => (StatusCode::UNPROCESSABLE_ENTITY, format!("{e}\n")).into_response(),
-        Err(_) => (StatusCode::INTERNAL_SERVER_ERROR, "drawing has failed\n").into_response(),
-    }
 }

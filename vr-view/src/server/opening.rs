@@ -1,24 +1,28 @@
 //! Opening of another file: by its path below the folder that the user has named, or from the page itself.
 
 use std::error::Error;
-use std::fs;
-use std::io;
+use std::fs::{self, OpenOptions};
+use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
 
 use axum::body::Bytes;
 use axum::extract::{Path as UrlPath, Query, State};
 use axum::http::StatusCode;
+use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
+use tempfile::TempDir;
 use tokio::sync::Semaphore;
+use vr_core::clock::Instant;
 use vr_io::VolumeSource;
 
 use super::Service;
-use super::truth::json;
-use super::upload::{UploadError, Uploads};
+use super::token::Token;
 use crate::session::{EditError, Subject};
+use crate::upload::{
+    BeginQuery, Begun, Listing, NameQuery, PieceQuery, UploadError, UploadFolder, Uploads, check_name, without_folder,
+};
 
 /// Most files of a folder that are listed, and folders below each other that are looked into.
 const MAX_LISTED: usize = 500;
@@ -42,7 +46,7 @@ pub struct Openings {
     opening: Opening,
     /// The folder without links in its path.
     real_folder: Option<PathBuf>,
-    uploads: Mutex<Uploads>,
+    uploads: Mutex<Uploads<TempDir>>,
     /// One file is read at a time.
     turn: Semaphore,
 }
@@ -71,6 +75,9 @@ enum OpenError {
     /// A scene that cannot be made of it.
     #[error(transparent)]
     Edit(#[from] EditError),
+    /// No random number.
+    #[error("the system gives no random numbers")]
+    Random,
     /// A reader that has given up.
     #[error("reading has failed")]
     Failed,
@@ -83,7 +90,7 @@ impl IntoResponse for OpenError {
             Self::Upload(UploadError::Busy) => StatusCode::CONFLICT,
             Self::Upload(UploadError::Size { .. } | UploadError::More(_)) => StatusCode::PAYLOAD_TOO_LARGE,
             Self::Upload(UploadError::Unknown) => StatusCode::NOT_FOUND,
-            Self::Failed => StatusCode::INTERNAL_SERVER_ERROR,
+            Self::Failed | Self::Random => StatusCode::INTERNAL_SERVER_ERROR,
             Self::Upload(_) | Self::Read(_) | Self::Edit(_) => StatusCode::UNPROCESSABLE_ENTITY,
         };
         (status, format!("{self}\n")).into_response()
@@ -119,35 +126,36 @@ impl Openings {
 
     /// Reads a file, which may name others: nothing is shown of what lies outside of the folder. What is said of it has no path of the machine.
     fn read(&self, path: &Path, folder: &Path) -> Result<Subject, OpenError> {
-        let mut subject = (self.opening.read)(path).map_err(|e| OpenError::Read(without(folder, &e.to_string())))?;
+        let mut subject =
+            (self.opening.read)(path).map_err(|e| OpenError::Read(without_folder(folder, &e.to_string())))?;
         let real = fs::canonicalize(folder).map_err(|_| OpenError::Failed)?;
         let is_inside = |file: &PathBuf| fs::canonicalize(file).is_ok_and(|file| file.starts_with(&real));
         if !subject.volume.info.iter().flat_map(|info| &info.files).all(is_inside) {
             return Err(OpenError::Elsewhere);
         }
-        subject.title = without(folder, &subject.title);
-        subject.notes.iter_mut().for_each(|note| *note = without(folder, note));
+        subject.title = without_folder(folder, &subject.title);
+        subject.notes.iter_mut().for_each(|note| *note = without_folder(folder, note));
         Ok(subject)
     }
 }
 
-/// A text without the path of a folder.
-fn without(folder: &Path, text: &str) -> String {
-    let folder = folder.display().to_string();
-    text.replace(&format!("{folder}/"), "").replace(&format!("{folder}\\"), "").replace(&folder, "the files")
+impl UploadFolder for TempDir {
+    fn empty() -> io::Result<Self> {
+        tempfile::Builder::new().prefix("vr-view-").tempdir()
+    }
+
+    fn append(&mut self, name: &str, is_new: bool, bytes: &[u8]) -> io::Result<()> {
+        // A name is new where nothing of it is here yet: names that differ in case may be one file.
+        let mut options = OpenOptions::new();
+        let options = if is_new { options.write(true).create_new(true) } else { options.append(true) };
+        options.open(self.path().join(name))?.write_all(bytes)
+    }
 }
 
-/// Files that can be opened.
-#[derive(Serialize)]
-struct Listing {
-    /// True if other files can be opened at all.
-    opens: bool,
-    /// True if a folder was named.
-    has_folder: bool,
-    /// Paths below the folder, in order.
-    files: Vec<String>,
-    /// Most bytes of files that the page may send.
-    max_upload: u64,
+/// An answer in JSON.
+fn json<T: Serialize>(found: T) -> Response {
+    let text = serde_json::to_string(&found).expect("words and numbers have texts");
+    ([(CONTENT_TYPE, "application/json")], text).into_response()
 }
 
 /// Answers with the files that can be opened.
@@ -208,33 +216,14 @@ pub async fn open(State(service): State<Service>, Query(OpenQuery { path }): Que
     outcome.await.map_or_else(IntoResponse::into_response, |()| StatusCode::NO_CONTENT.into_response())
 }
 
-/// Size of the files to come.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BeginQuery {
-    bytes: u64,
-}
-
-/// Number of an upload.
-#[derive(Serialize)]
-struct Begun {
-    id: String,
-}
-
 /// Begins an upload.
 pub async fn begin(State(service): State<Service>, Query(BeginQuery { bytes }): Query<BeginQuery>) -> Response {
-    match in_upload(service, move |uploads| uploads.begin(bytes, Instant::now())).await {
-        Ok(id) => json(Begun { id }),
+    let Ok(id) = Token::random().map(|id| id.text().to_owned()) else { return OpenError::Random.into_response() };
+    let begun = id.clone();
+    match in_upload(service, move |uploads| uploads.begin(begun, bytes, Instant::now())).await {
+        Ok(()) => json(Begun { id }),
         Err(e) => e.into_response(),
     }
-}
-
-/// Name of a file, and where in it a piece begins.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PieceQuery {
-    name: String,
-    offset: u64,
 }
 
 /// Takes a piece of a file.
@@ -254,13 +243,6 @@ pub async fn give_up(State(service): State<Service>, UrlPath((_, id)): UrlPath<(
     ended.map_or_else(IntoResponse::into_response, |_| StatusCode::NO_CONTENT.into_response())
 }
 
-/// Name of the file of an upload that is to be opened; empty for all of them, as the folder of a series.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct NameQuery {
-    name: String,
-}
-
 /// Ends an upload, and opens a file of it.
 pub async fn open_upload(
     State(service): State<Service>,
@@ -269,8 +251,12 @@ pub async fn open_upload(
 ) -> Response {
     let outcome = opened(service, move |openings| {
         let arrived = openings.uploads.lock().unwrap_or_else(PoisonError::into_inner).end(&id)?;
-        let path = arrived.path(&name)?;
-        let mut subject = openings.read(&path, arrived.folder())?;
+        let mut path = arrived.path().to_owned();
+        if !name.is_empty() {
+            check_name(&name)?;
+            path.push(&name);
+        }
+        let mut subject = openings.read(&path, arrived.path())?;
         // The scene file that is saved names the file as the user knows it: beside it, it is drawn again.
         if let Some(VolumeSource::File(source)) = &mut subject.file.volume.source {
             source.path = if name.is_empty() { ".".into() } else { name.into() };
@@ -283,7 +269,7 @@ pub async fn open_upload(
 /// Does something to the upload, off the server's thread.
 async fn in_upload<T: Send + 'static>(
     service: Service,
-    act: impl FnOnce(&mut Uploads) -> Result<T, UploadError> + Send + 'static,
+    act: impl FnOnce(&mut Uploads<TempDir>) -> Result<T, UploadError> + Send + 'static,
 ) -> Result<T, OpenError> {
     let openings = service.openings.ok_or(OpenError::Never)?;
     let acted =
@@ -302,4 +288,21 @@ async fn opened(
     let _turn = openings.turn.acquire().await;
     let acted = tokio::task::spawn_blocking(move || Ok(session.open(read(&reading)?)?));
     acted.await.map_err(|_| OpenError::Failed)?
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_temporary_folder_takes_pieces_and_goes() {
+        let mut folder = TempDir::empty().unwrap();
+        folder.append("a.raw", true, b"12345").unwrap();
+        folder.append("a.raw", false, b"67").unwrap();
+        assert_eq!(folder.append("a.raw", true, b"x").unwrap_err().kind(), io::ErrorKind::AlreadyExists);
+        let path = folder.path().join("a.raw");
+        assert_eq!(fs::read(&path).unwrap(), b"1234567");
+        drop(folder);
+        assert!(!path.exists());
+    }
 }

@@ -12,8 +12,8 @@ use tokio::sync::mpsc;
 use tokio::time::timeout;
 
 use super::Service;
-use super::message::{Request, Told, picture_message};
 use super::rate::Rate;
+use crate::message::{Request, Told, VERSION, picture_message};
 use crate::session::{ClientId, Output, Session};
 
 /// Time after which a client that takes nothing is given up.
@@ -90,7 +90,7 @@ async fn receive(
             let _ = close("too many messages without sense").await;
             break;
         }
-        if answers.send(refused.message()).await.is_err() {
+        if answers.send(text_message(&refused)).await.is_err() {
             break;
         }
     }
@@ -107,8 +107,8 @@ async fn send(
     let (mut pictures, mut words) = service.hub.listen();
     let coding = service.coding();
     let state = blocking(service, Session::state).await?;
-    put(&mut sink, Told::Hello { client, version: env!("CARGO_PKG_VERSION") }.message()).await?;
-    put(&mut sink, Told::State { state: &state }.message()).await?;
+    put(&mut sink, text_message(&Told::Hello { client, version: VERSION })).await?;
+    put(&mut sink, text_message(&Told::State { state: &state })).await?;
     pictures.mark_changed();
     let mut opened = Box::pin(service.clone().opened());
     let mut has_opened = false;
@@ -118,21 +118,21 @@ async fn send(
             answer = answers.recv() => answer?,
             opened = &mut opened, if !has_opened => {
                 has_opened = true;
-                Told::Opened { opened: &opened }.message()
+                text_message(&Told::Opened { opened: &opened })
             }
             word = words.recv() => match word {
-                Ok(Output::State(state)) => Told::State { state: &state }.message(),
-                Ok(Output::Error { picture, error }) => Told::Error { picture, error }.message(),
-                Ok(Output::Problem(reason)) => Told::Problem { reason: &reason }.message(),
                 Ok(Output::Volume) => {
                     (opened, has_opened) = (Box::pin(service.clone().opened()), false);
                     continue;
                 }
-                Ok(Output::Picture(_)) => continue,
+                Ok(output) => match Told::of(&output) {
+                    Some(told) => text_message(&told),
+                    None => continue,
+                },
                 Err(RecvError::Lagged(_)) => {
                     // Another volume may have been among the words that were missed.
                     (opened, has_opened) = (Box::pin(service.clone().opened()), false);
-                    Told::State { state: &blocking(service, Session::state).await? }.message()
+                    text_message(&Told::State { state: &blocking(service, Session::state).await? })
                 }
                 Err(RecvError::Closed) => return None,
             },
@@ -140,10 +140,10 @@ async fn send(
                 changed.ok()?;
                 let picture = pictures.borrow_and_update().clone();
                 let Some(picture) = picture else { continue };
-                picture_message(&picture, client, coding)
+                Message::Binary(picture_message(&picture, client, coding).into())
             }
             () = service.ending() => {
-                put(&mut sink, Told::Bye.message()).await?;
+                put(&mut sink, text_message(&Told::Bye)).await?;
                 return None;
             }
         };
@@ -153,6 +153,10 @@ async fn send(
             return Some(());
         }
     }
+}
+
+fn text_message(told: &Told<'_>) -> Message {
+    Message::Text(told.text().into())
 }
 
 /// Sends a message; `None` where the client is gone, or takes too long.

@@ -1,12 +1,13 @@
-//! The thread of a session that draws: from stage to stage, until an edit makes all of it stale.
+//! Drawing of a session, on a thread of its own or step by step: from stage to stage, until an edit makes all of it stale.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use glam::DVec3;
+use vr_core::clock::Instant;
 use vr_core::{Control, Frame, Model, Prepared, RenderError, Renderer, Scene, View};
 use vr_look::Survey;
 use vr_physics::metrics::subgrid;
@@ -62,6 +63,8 @@ struct Shared {
     state: Mutex<Desk>,
     wake: Condvar,
     tell: Box<dyn Fn(Output) + Send + Sync>,
+    /// Tells, without a thread of its own, that the caller has an edit to make.
+    interrupted: Option<Box<dyn Fn() -> bool + Send + Sync>>,
 }
 
 /// State that the thread and the callers share.
@@ -85,6 +88,41 @@ struct Desk {
 impl Shared {
     fn desk(&self) -> MutexGuard<'_, Desk> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Control of work that is given up as soon as the caller has an edit to make.
+    fn control(self: &Arc<Self>) -> Control {
+        let control = Control::default();
+        if self.interrupted.is_none() {
+            return control;
+        }
+        let (shared, flag) = (Arc::clone(self), control.cancel_flag());
+        control.with_progress(move |_| {
+            if shared.interrupted.as_ref().is_some_and(|interrupted| interrupted()) {
+                flag.store(true, Ordering::Relaxed);
+            }
+        })
+    }
+}
+
+impl Shared {
+    fn new(
+        document: Document,
+        tell: impl Fn(Output) + Send + Sync + 'static,
+        interrupted: Option<Box<dyn Fn() -> bool + Send + Sync>>,
+    ) -> Self {
+        let desk = Desk {
+            document,
+            revision: 1,
+            last_edit: Instant::now(),
+            answers: BTreeMap::new(),
+            stale: None,
+            asked: Vec::new(),
+            sliced: Vec::new(),
+            working: None,
+            ended: false,
+        };
+        Self { state: Mutex::new(desk), wake: Condvar::new(), tell: Box::new(tell), interrupted }
     }
 }
 
@@ -110,22 +148,24 @@ impl Session {
         control: &Control,
         tell: impl Fn(Output) + Send + Sync + 'static,
     ) -> std::io::Result<Self> {
-        let desk = Desk {
-            document,
-            revision: 1,
-            last_edit: Instant::now(),
-            answers: BTreeMap::new(),
-            stale: None,
-            asked: Vec::new(),
-            sliced: Vec::new(),
-            working: None,
-            ended: false,
-        };
-        let shared = Arc::new(Shared { state: Mutex::new(desk), wake: Condvar::new(), tell: Box::new(tell) });
+        let shared = Arc::new(Shared::new(document, tell, None));
         let (theirs, pool) = (Arc::clone(&shared), control.clone());
         let thread =
             thread::Builder::new().name("session".to_owned()).spawn(move || Engine::new(theirs, pool).run())?;
         Ok(Self { shared, control: control.clone(), thread: Some(thread) })
+    }
+
+    /// Begins a session without a thread: the caller has the painter draw, step by step, and makes edits in between. `interrupted` is asked while a picture
+    /// is drawn, often, and tells that there is an edit to make: all but a draft is then given up, and so is an answer.
+    pub fn without_thread(
+        document: Document,
+        interrupted: impl Fn() -> bool + Send + Sync + 'static,
+        tell: impl Fn(Output) + Send + Sync + 'static,
+    ) -> (Self, Painter) {
+        let shared = Arc::new(Shared::new(document, tell, Some(Box::new(interrupted))));
+        let control = Control::default();
+        let painter = Painter(Engine::new(Arc::clone(&shared), control.clone()));
+        (Self { shared, control, thread: None }, painter)
     }
 
     /// Makes an edit of a client, who numbers its edits; the next picture says that it shows it.
@@ -337,7 +377,7 @@ impl Session {
         choose: impl FnOnce(&Document) -> Result<R, EditError>,
         question: impl FnOnce((&Scene, &View), R, &Control) -> Result<T, RenderError> + Send,
     ) -> Result<T, TruthError> {
-        let control = Control::default();
+        let control = self.shared.control();
         let flag = control.cancel_flag();
         let (scene, view, chosen) = {
             let mut desk = self.shared.desk();
@@ -419,6 +459,46 @@ struct Progress {
     stage: Option<(Stage, [u32; 2])>,
 }
 
+/// What the engine is to do next.
+enum Turn {
+    Work(Box<Job>),
+    /// Nothing before so much time has passed.
+    Wait(Duration),
+    /// Nothing before the next edit.
+    Idle,
+    End,
+}
+
+/// Draws the pictures of a session that has no thread.
+pub struct Painter(Engine);
+
+/// Outcome of a step of a [`Painter`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// A stage was drawn, or given up for an edit: there may be another one.
+    Worked,
+    /// The next stage is drawn when no edit has come for so much longer.
+    Wait(Duration),
+    /// Nothing is left to do before the next edit.
+    Idle,
+}
+
+impl Painter {
+    /// Draws one stage, if one is due.
+    pub fn step(&mut self) -> Step {
+        let shared = Arc::clone(&self.0.shared);
+        let turn = self.0.turn(&mut shared.desk());
+        match turn {
+            Turn::Work(job) => {
+                self.0.do_job(&job);
+                Step::Worked
+            }
+            Turn::Wait(time) => Step::Wait(time),
+            Turn::Idle | Turn::End => Step::Idle,
+        }
+    }
+}
+
 struct Engine {
     shared: Arc<Shared>,
     pool: Control,
@@ -457,23 +537,28 @@ impl Engine {
 
     fn run(mut self) {
         while let Some(job) = self.next() {
-            // The job has a cancel flag of its own, and runs on the session's threads.
-            let (pool, engine, job) = (self.pool.clone(), &mut self, &job);
-            let outcome = pool.run(move || job.control.cancellable(|| engine.work(job)));
-            let outcome = outcome.unwrap_or_else(|stopped| Err(RenderError::from(stopped)));
-            let mut desk = self.shared.desk();
-            (desk.stale, desk.working) = (None, None);
-            let is_stale = desk.revision != job.revision || desk.ended;
-            drop(desk);
-            match outcome {
-                Ok(()) => {
-                    self.progress = Some(Progress { revision: job.revision, stage: Some((job.stage, job.view.size)) });
-                }
-                Err(RenderError::Cancelled) if is_stale => {}
-                Err(e) => {
-                    self.progress = Some(Progress { revision: job.revision, stage: None });
-                    (self.shared.tell)(Output::Problem(e.to_string()));
-                }
+            self.do_job(&job);
+        }
+    }
+
+    fn do_job(&mut self, job: &Job) {
+        // The job has a cancel flag of its own, and runs on the session's threads.
+        let (pool, engine) = (self.pool.clone(), &mut *self);
+        let outcome = pool.run(move || job.control.cancellable(|| engine.work(job)));
+        let outcome = outcome.unwrap_or_else(|stopped| Err(RenderError::from(stopped)));
+        let mut desk = self.shared.desk();
+        (desk.stale, desk.working) = (None, None);
+        let is_stale = desk.revision != job.revision || desk.ended;
+        drop(desk);
+        match outcome {
+            Ok(()) => {
+                self.progress = Some(Progress { revision: job.revision, stage: Some((job.stage, job.view.size)) });
+            }
+            // The edit that has interrupted it is yet to be made.
+            Err(RenderError::Cancelled) if is_stale || self.shared.interrupted.is_some() => {}
+            Err(e) => {
+                self.progress = Some(Progress { revision: job.revision, stage: None });
+                (self.shared.tell)(Output::Problem(e.to_string()));
             }
         }
     }
@@ -483,8 +568,20 @@ impl Engine {
         let shared = Arc::clone(&self.shared);
         let mut desk = shared.desk();
         loop {
+            desk = match self.turn(&mut desk) {
+                Turn::Work(job) => return Some(*job),
+                Turn::Wait(time) => shared.wake.wait_timeout(desk, time).unwrap_or_else(PoisonError::into_inner).0,
+                Turn::Idle => shared.wake.wait(desk).unwrap_or_else(PoisonError::into_inner),
+                Turn::End => return None,
+            };
+        }
+    }
+
+    /// Finds out what is to be done.
+    fn turn(&mut self, desk: &mut Desk) -> Turn {
+        loop {
             if desk.ended {
-                return None;
+                return Turn::End;
             }
             let drawn = self.progress.as_ref().filter(|progress| progress.revision == desk.revision);
             let has_proof = desk.document.max_error().is_some();
@@ -499,20 +596,17 @@ impl Engine {
                 Some(Some((Stage::Measured, size))) => has_proof.then_some((Stage::Proven, size)),
                 Some(Some((Stage::Proven, _))) => None,
             };
+            let Some(next) = next else { return Turn::Idle };
             let moved = desk.last_edit.elapsed();
-            match next {
-                Some(next) if next.0 == Stage::Draft || moved >= REST => match job(&mut desk, next) {
-                    Ok(job) => return Some(job),
-                    Err(e) => {
-                        self.progress = Some(Progress { revision: desk.revision, stage: None });
-                        (shared.tell)(Output::Problem(e.to_string()));
-                    }
-                },
-                Some(_) => {
-                    let waited = shared.wake.wait_timeout(desk, REST - moved);
-                    desk = waited.unwrap_or_else(PoisonError::into_inner).0;
+            if next.0 != Stage::Draft && moved < REST {
+                return Turn::Wait(REST - moved);
+            }
+            match job(desk, next, &self.shared) {
+                Ok(job) => return Turn::Work(Box::new(job)),
+                Err(e) => {
+                    self.progress = Some(Progress { revision: desk.revision, stage: None });
+                    (self.shared.tell)(Output::Problem(e.to_string()));
                 }
-                None => desk = shared.wake.wait(desk).unwrap_or_else(PoisonError::into_inner),
             }
         }
     }
@@ -629,7 +723,7 @@ fn coarseness(size: [u32; 2], full: [u32; 2]) -> i32 {
 }
 
 /// The work of a stage on a picture of a size.
-fn job(desk: &mut Desk, (stage, size): (Stage, [u32; 2])) -> Result<Job, EditError> {
+fn job(desk: &mut Desk, (stage, size): (Stage, [u32; 2]), shared: &Arc<Shared>) -> Result<Job, EditError> {
     let document = &desk.document;
     let mut view = View { size, ..document.view().clone() };
     let mut bound = None;
@@ -646,7 +740,7 @@ fn job(desk: &mut Desk, (stage, size): (Stage, [u32; 2])) -> Result<Job, EditErr
         }),
     };
     let file = document.file();
-    let control = Control::default();
+    let control = if stage > Stage::Draft { shared.control() } else { Control::default() };
     let cancel = control.cancel_flag();
     // A draft is soon done, and is something to look at; what comes after it is stale with the next edit.
     desk.stale = (stage > Stage::Draft).then(|| Arc::clone(&cancel));

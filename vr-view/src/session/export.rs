@@ -108,6 +108,10 @@ impl Export {
 
 /// Bytes of a file that is written into a folder of its own, and gone afterwards.
 fn written(export: Export, write: impl FnOnce(&Path) -> Result<(), WriteError>) -> Result<Vec<u8>, ExportError> {
+    // A browser gives a module no disk.
+    if cfg!(target_family = "wasm") {
+        return Err(ExportError::Folder(std::io::ErrorKind::Unsupported.into()));
+    }
     let folder = tempfile::tempdir()?;
     let path = folder.path().join(export.file_name());
     write(&path)?;

@@ -1,6 +1,6 @@
 //! Session: a scene that takes edits and gives pictures of itself, each better than the one before while nothing changes.
 //!
-//! A thread draws. After an edit comes a [draft](Stage::Draft), as large as thirty pictures a second allow; when no edit has come for a tenth of a
+//! A thread draws, or the caller [step by step](Painter). After an edit comes a [draft](Stage::Draft), as large as thirty pictures a second allow; when no edit has come for a tenth of a
 //! second, ever more pixels, then all of them by the renderer's own setting, whose error is then measured against the reference; at last, by renderers that can, a picture
 //! each of whose pixels is within a proven bound. What has become stale is cancelled through [`Control`](vr_core::Control).
 
@@ -26,7 +26,7 @@ mod value_at;
 pub use describe::{Opened, State};
 pub use document::{Document, MAX_PIXELS};
 pub use edit::{Edit, PROVEN, Quality, Side};
-pub use engine::{Output, Session};
+pub use engine::{Output, Painter, Session, Step};
 pub use error::{EditError, TruthError};
 pub use error_map::ErrorMap;
 pub use export::{Export, ExportError};

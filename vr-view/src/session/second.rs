@@ -1,8 +1,7 @@
 //! Second picture: the scene and view at rest, drawn by another setting, to be laid beside the first.
 
-use std::time::Instant;
-
 use serde::{Deserialize, Serialize};
+use vr_core::clock::Instant;
 use vr_core::{Control, Model, RenderError, Renderer, Scene, View};
 use vr_physics::metrics::subgrid;
 use vr_study::reference::ReferencePixels;

@@ -6,6 +6,7 @@ mod common;
 
 mod beside;
 mod chromium;
+mod crop_box;
 mod opening;
 mod scene;
 mod slices;

@@ -5,7 +5,8 @@ use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
 use tungstenite::Message;
-use vr_view::server::{MAX_CLIENTS, MAX_MESSAGE};
+use vr_view::message::MAX_MESSAGE;
+use vr_view::server::MAX_CLIENTS;
 
 use crate::common::{Client, PATIENCE, Running, document};
 

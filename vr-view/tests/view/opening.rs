@@ -9,8 +9,8 @@ use tungstenite::Message;
 use vr_core::field::FunctionField;
 use vr_core::{ControlPoint, Volume};
 use vr_io::ShadingSection;
-use vr_view::server::MAX_PIECE;
 use vr_view::session::{Edit, EditError, Export, Setting, Stage};
+use vr_view::upload::MAX_PIECE;
 
 use crate::common::{
     Answer, Client, PATIENCE, Running, Watched, document, drawn_anew, kinds, nrrd, of_volume, read, subject_of,

@@ -1,5 +1,7 @@
 //! Sessions: stages, their errors, and what edits do to them.
 
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use vr_core::{Control, Model, RenderError};
@@ -7,7 +9,8 @@ use vr_io::ShadingSection;
 use vr_physics::Reference;
 use vr_study::error_colors;
 use vr_view::session::{
-    Edit, ErrorMap, Export, Output, PictureError, Quality, RayPlot, Setting, Side, Stage, TruthError,
+    Edit, ErrorMap, Export, Output, Painter, PictureError, Quality, RayPlot, Session, Setting, Side, Stage, Step,
+    TruthError,
 };
 
 use crate::common::{Watched, document, drawn_anew, frame_anew};
@@ -328,4 +331,58 @@ fn a_second_picture_is_that_of_a_session_with_its_setting() {
     watched.session.end();
     let setting = Setting { renderer: "raycast".to_owned(), quality: None };
     assert!(matches!(watched.session.second(&setting), Err(TruthError::Render(RenderError::Cancelled))));
+}
+
+#[test]
+fn without_a_thread_it_is_drawn_step_by_step_and_given_up_for_an_edit() {
+    // The pixels are those of a session with a thread: of the saved scene.
+    let told = Arc::new(Mutex::new(Vec::new()));
+    let (asked, is_waiting) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
+    let (telling, asking, waiting) = (Arc::clone(&told), Arc::clone(&asked), Arc::clone(&is_waiting));
+    let interrupted = move || {
+        asking.fetch_add(1, Ordering::Relaxed);
+        waiting.load(Ordering::Relaxed)
+    };
+    let document = document("blobs", 24, [160, 120]);
+    let (session, mut painter) =
+        Session::without_thread(document, interrupted, move |output| telling.lock().unwrap().push(output));
+    let rest = |painter: &mut Painter| {
+        loop {
+            match painter.step() {
+                Step::Worked => {}
+                Step::Wait(time) => std::thread::sleep(time),
+                Step::Idle => break,
+            }
+        }
+    };
+    let stages = || -> Vec<Stage> {
+        let told = told.lock().unwrap();
+        told.iter().filter_map(|o| if let Output::Picture(p) = o { Some(p.head.stage) } else { None }).collect()
+    };
+    rest(&mut painter);
+    assert_eq!((stages().first(), stages().last()), (Some(&Stage::Draft), Some(&Stage::Proven)));
+    assert!(asked.load(Ordering::Relaxed) > 0, "it asks while it draws");
+    let proven = |told: &[Output]| {
+        told.iter().rev().find_map(|o| if let Output::Picture(p) = o { Some(p.rgba.clone()) } else { None }).unwrap()
+    };
+    let file = String::from_utf8(session.export(Export::Scene).unwrap()).unwrap();
+    assert!(proven(&told.lock().unwrap()) == drawn_anew(&file).1);
+    // While an edit waits, drafts alone are drawn, and an answer is given up; afterwards, all of it is made.
+    told.lock().unwrap().clear();
+    session.apply(1, 1, &Edit::Orbit { right: 30.0, up: 10.0 }).unwrap();
+    is_waiting.store(true, Ordering::Relaxed);
+    let start = Instant::now();
+    while start.elapsed() < Duration::from_millis(300) {
+        let step = painter.step();
+        assert_ne!(step, Step::Idle);
+    }
+    assert!(stages().iter().all(|stage| *stage < Stage::Sharp), "{:?}", stages());
+    let map = session.error_map();
+    assert!(matches!(map, Err(TruthError::Render(RenderError::Cancelled))), "{:?}", map.err());
+    is_waiting.store(false, Ordering::Relaxed);
+    rest(&mut painter);
+    assert_eq!(stages().last(), Some(&Stage::Proven));
+    let file = String::from_utf8(session.export(Export::Scene).unwrap()).unwrap();
+    assert!(proven(&told.lock().unwrap()) == drawn_anew(&file).1);
+    assert!(!told.lock().unwrap().iter().any(|o| matches!(o, Output::Problem(_))));
 }

@@ -1,13 +1,14 @@
-//! Messages between the server and a page.
+//! Messages between the program and a page, whatever carries them.
 
-use axum::body::Bytes;
-use axum::extract::ws::Message;
 use serde::{Deserialize, Serialize};
 
-use crate::session::{ClientId, Edit, Head, Opened, Picture, PictureError, SecondPicture, Slice, State};
+use crate::session::{ClientId, Edit, Head, Opened, Output, Picture, PictureError, SecondPicture, Slice, State};
 
 /// Most bytes of a message from a page: a transfer function of some thousand points.
 pub const MAX_MESSAGE: usize = 256 << 10;
+
+/// Version of the program, which a page of another one is told.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Message of a page: an edit, and its number.
 #[derive(Debug, Deserialize)]
@@ -63,10 +64,20 @@ pub enum Told<'a> {
     Bye,
 }
 
-impl Told<'_> {
+impl<'a> Told<'a> {
+    /// The words of a session; `None` for a picture, and for another volume, which is described when it was surveyed.
+    pub fn of(output: &'a Output) -> Option<Self> {
+        Some(match output {
+            Output::State(state) => Told::State { state },
+            Output::Error { picture, error } => Told::Error { picture: *picture, error: *error },
+            Output::Problem(reason) => Told::Problem { reason },
+            Output::Picture(_) | Output::Volume => return None,
+        })
+    }
+
     /// The message as text.
-    pub fn message(&self) -> Message {
-        Message::Text(serde_json::to_string(self).expect("words and numbers have texts").into())
+    pub fn text(&self) -> String {
+        serde_json::to_string(self).expect("words and numbers have texts")
     }
 }
 
@@ -97,10 +108,10 @@ struct SecondHead<'a> {
 }
 
 /// A picture as a message to a client.
-pub fn picture_message(picture: &Picture, client: ClientId, coding: Coding) -> Message {
+pub fn picture_message(picture: &Picture, client: ClientId, coding: Coding) -> Vec<u8> {
     let answers = picture.answers.get(&client).copied().unwrap_or(0);
     let head = FullHead { head: &picture.head, answers, coding };
-    Message::Binary(Bytes::from(picture_bytes(&head, coding, picture.head.size, &picture.rgba)))
+    picture_bytes(&head, coding, picture.head.size, &picture.rgba)
 }
 
 /// A second picture, laid out as the first ones are.
@@ -129,7 +140,7 @@ fn picture_bytes(head: &impl Serialize, coding: Coding, size: [u32; 2], rgba: &[
 }
 
 /// The length of the head in four bytes, the smallest first; the head in JSON; the rest.
-fn headed(head: &impl Serialize, rest: &[u8]) -> Vec<u8> {
+pub fn headed(head: &impl Serialize, rest: &[u8]) -> Vec<u8> {
     let head = serde_json::to_vec(head).expect("words and numbers have texts");
     let mut bytes = Vec::with_capacity(4 + head.len() + rest.len());
     bytes.extend((head.len() as u32).to_le_bytes());
