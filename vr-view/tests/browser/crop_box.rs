@@ -24,10 +24,10 @@ fn saved_box(browser: &mut Browser) -> Option<[[f64; 3]; 2]> {
 #[test]
 fn faces_follow_the_pointer_and_keys_and_are_undone() {
     let Some((running, mut browser)) = opened("blobs") else { return };
-    // An oblique view, so that every face has a way across the picture, from so far that all of them are seen.
+    // An oblique view, so that every face has a way across the picture, from so far that all of them are seen below the tools.
     let before = picture(&mut browser);
     browser.value(
-        "window.vr.send({kind: 'orbit', right: 25, up: 20}); window.vr.send({kind: 'zoom', factor: 0.35, at: [0, 0]})",
+        "window.vr.send({kind: 'orbit', right: 25, up: 20}); window.vr.send({kind: 'zoom', factor: 0.25, at: [0, 0]})",
     );
     settled(&mut browser, before);
     assert_eq!(browser.value("document.querySelector('#crop-box').checkVisibility()"), false);
@@ -51,7 +51,8 @@ fn faces_follow_the_pointer_and_keys_and_are_undone() {
             assert!((0..2).all(|k| (now[k] - to[k]).abs() < 2.0), "{label}: {now:?}, the pointer is at {to:?}");
             let saved = saved_box(&mut browser).expect("it is cropped");
             let share = (saved[end][axis] - bound(end, axis)).abs() / (bound(1, axis) - bound(0, axis));
-            assert!((share - 1.0 / 3.0).abs() < 0.02, "{label}: {share}");
+            // A third on the screen is a third in space but for perspective, and for handles that keep clear of the tools.
+            assert!((share - 1.0 / 3.0).abs() < 0.05, "{label}: {share}");
             let others = (0..3).filter(|&k| k != axis).all(|k| [0, 1].iter().all(|&e| saved[e][k] == bound(e, k)));
             assert!(others && saved[1 - end][axis] == bound(1 - end, axis), "{label}: {saved:?}");
             assert_truth(&mut browser);
