@@ -1,4 +1,4 @@
-//! Clock: the system's; in a browser, which gives a module none, the one that its page [sets](set_clock).
+//! Clock: the system's; in a browser, which gives a module none, the one that its page sets by `set_clock`.
 
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 pub use std::time::Instant;
