@@ -4,7 +4,7 @@
 //! page's worker calls [`Program::step`] between messages. The functions that the worker calls are in a module of their own, compiled for the browser alone.
 //!
 //! # Example
-//! What the worker does, with a phantom in place of a file:
+//! The program is driven as the page's worker drives it, and begins with a phantom:
 //! ```
 //! use vr_view_wasm::{Output, Program};
 //!

@@ -64,12 +64,12 @@ impl Program {
 
     /// Takes a message of the page: an edit.
     pub fn receive(&mut self, text: &str) {
-        let refused = match serde_json::from_str::<Request>(text) {
+        let refused = match Request::read(text) {
             Ok(Request { number, edit }) => match self.session.apply(CLIENT, number, &edit) {
                 Ok(()) => return,
                 Err(e) => Told::Refused { number: Some(number), reason: e.to_string() },
             },
-            Err(e) => Told::Refused { number: None, reason: format!("message: {e}") },
+            Err(refused) => refused,
         };
         self.outputs.push(Output::Text(refused.text()));
     }

@@ -20,6 +20,16 @@ pub struct Request {
     pub edit: Edit,
 }
 
+impl Request {
+    /// Reads the text of a message.
+    ///
+    /// # Errors
+    /// The refusal of a text that makes no sense.
+    pub fn read(text: &str) -> Result<Self, Told<'static>> {
+        serde_json::from_str(text).map_err(|e| Told::Refused { number: None, reason: format!("message: {e}") })
+    }
+}
+
 /// Message in words to a page.
 #[derive(Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]

@@ -19,7 +19,7 @@ pub enum Question {
     Save(Export),
     /// The error map: `truth/error-map`.
     ErrorMap,
-    /// What a pixel's ray meets, by the second setting if there is one: `truth/ray?x=…&y=…&renderer=…&quality=…`.
+    /// Plot of a pixel's ray, by the second setting if one is named: `truth/ray?x=…&y=…&renderer=…&quality=…`.
     Ray([u32; 2], Option<Setting>),
     /// The picture of a second setting: `truth/second?renderer=…&quality=…`.
     Second(Setting),
@@ -27,7 +27,7 @@ pub enum Question {
     Slice(SliceQuery),
     /// Value and label at a place of the world: `place?x=…&y=…&z=…`.
     Place(DVec3),
-    /// What is seen at a place in the picture, in heights of it from its middle: `pick?x=…&y=…`; `null` where nothing is.
+    /// Value under a place in the picture, which is given in picture heights from its middle: `pick?x=…&y=…`. The answer is `null` where nothing is seen.
     Pick([f64; 2]),
 }
 

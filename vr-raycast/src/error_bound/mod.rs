@@ -11,6 +11,8 @@ mod packets;
 mod picks;
 mod piece_by_piece;
 mod reflection;
+#[cfg(test)]
+mod seeded;
 mod series;
 mod step;
 mod walk;

@@ -377,8 +377,8 @@ fn tau_opacity<R: Real>(tau: R) -> R {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error_bound::seeded::runner;
     use proptest::prelude::*;
-    use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};
     use vr_core::{Calibration, ControlPoint, TransferFunction};
 
     /// Returns opacity and light of a step by 4000 midpoints: good to 10⁻⁸ or so on these smooth functions.
@@ -407,15 +407,8 @@ mod tests {
             [[0.0f64..1.0, 0.0f64..1.0, 0.0f64..1.0], [0.0f64..1.0, 0.0f64..1.0, 0.0f64..1.0]],
             (any::<bool>(), any::<bool>(), 0.01f64..3.0, 0.0f64..1.0),
         );
-        let config = Config {
-            cases: 3000,
-            failure_persistence: None,
-            rng_algorithm: RngAlgorithm::ChaCha,
-            rng_seed: RngSeed::Fixed(7),
-            ..Config::default()
-        };
         let found = std::cell::RefCell::new(Vec::new());
-        let run = TestRunner::new(config).run(&strategy, |(b, alpha, color, (power, emits, length, flat))| {
+        let run = runner(3000, 7).run(&strategy, |(b, alpha, color, (power, emits, length, flat))| {
             let rule = if power { OpacityRule::Power } else { OpacityRule::Extinction };
             let point = |i: usize| ControlPoint {
                 emission: emits.then_some(color[i]),

@@ -265,19 +265,17 @@ impl SplatModel {
         // Classified once, for all sheets that have a section of it: a gradient may be a sum over many kernels.
         let classified = |s: &ExactSplat| if self.renderer.splats_light() { self.optics(s) } else { [0.0; 4] };
         // The splats that each sheet has a section of, with their (q, κ).
-        let mut parts: BTreeMap<u32, (Vec<&ExactSplat>, Vec<[f64; 4]>)> = BTreeMap::new();
+        let mut parts: BTreeMap<u32, Vec<(&ExactSplat, [f64; 4])>> = BTreeMap::new();
         for s in splats {
             let optics = classified(s);
             let at = |depth: f64| (depth / sheets.distance).floor().clamp(0.0, f64::from(sheets.count - 1)) as u32;
             for sheet in at(s.place.z - half / s.scale)..=at(s.place.z + half / s.scale) {
-                let (splats, lights) = parts.entry(sheet).or_default();
-                splats.push(s);
-                lights.push(optics);
+                parts.entry(sheet).or_default().push((s, optics));
             }
         }
         // One part a sheet, front to back.
         let mut found = Vec::new();
-        for (sheet, (parts, lights)) in parts {
+        for (sheet, parts) in parts {
             let [from, to] = [sheet, sheet + 1].map(|k| (f64::from(k) * sheets.distance).max(near).min(far));
             if from >= to {
                 continue;
@@ -293,12 +291,11 @@ impl SplatModel {
                 }
             };
             // Sections are most of the work: each is taken once.
-            let weighed: Vec<(&ExactSplat, f64)> = parts.iter().map(|s| (*s, section(s))).collect();
             if self.renderer.splats_light() {
-                let weights = weighed.iter().map(|(_, weight)| *weight);
-                found.push(Part::Light(Self::lit(lights.into_iter().zip(weights))));
+                found.push(Part::Light(Self::lit(parts.into_iter().map(|(s, optics)| (optics, section(s))))));
                 continue;
             }
+            let weighed: Vec<(&ExactSplat, f64)> = parts.iter().map(|(s, _)| (*s, section(s))).collect();
             let (mut sum, mut weight) = (0.0, 0.0);
             for (s, w) in &weighed {
                 sum += w * s.value;
@@ -308,7 +305,7 @@ impl SplatModel {
                 ((to - from) * line.stretch, weight)
             } else {
                 // From the first support's front to the last one's back.
-                let chords = parts.iter().map(|s| s.chord(line)).map(|[a, b]| [a.max(from), b.min(to)]);
+                let chords = parts.iter().map(|(s, _)| s.chord(line)).map(|[a, b]| [a.max(from), b.min(to)]);
                 let inside = chords.filter(|[a, b]| a < b);
                 let [front, back] = inside.fold([to, from], |[f, l], [a, b]| [f.min(a), l.max(b)]);
                 let covered = (back - front).max(0.0) * line.stretch;
@@ -323,7 +320,8 @@ impl SplatModel {
             let base = heaviest.map_or(0.0, |(s, _)| s.value);
             let apart: f64 = weighed.iter().map(|(s, w)| w * (s.value - base)).sum();
             let from_value = if is_mean && weight > 0.0 { base + apart / weight } else { 0.0 };
-            let sections = parts.iter().map(|s| s.gradient_section(profile, line, from, to) * (s.value - from_value));
+            let sections =
+                parts.iter().map(|(s, _)| s.gradient_section(profile, line, from, to) * (s.value - from_value));
             let sloped = sloped && divisor > 0.0;
             let gradient = sloped.then(|| seen.frame * sections.sum::<DVec3>() / divisor);
             let colors = points.and_then(|points| points.colors()).filter(|_| weight > 0.0);

@@ -64,7 +64,7 @@ async fn receive(
             break;
         }
         let refused = match message {
-            Message::Text(text) => match serde_json::from_str::<Request>(&text) {
+            Message::Text(text) => match Request::read(&text) {
                 Ok(Request { number, edit }) => {
                     // An edit may ask for a survey of the volume, which would hold up every other client.
                     let edited = blocking(service, move |session| session.apply(client, number, &edit)).await;
@@ -74,9 +74,9 @@ async fn receive(
                         None => Told::Refused { number: Some(number), reason: "the edit has failed".to_owned() },
                     }
                 }
-                Err(e) => {
+                Err(refused) => {
                     malformed += 1;
-                    Told::Refused { number: None, reason: format!("message: {e}") }
+                    refused
                 }
             },
             Message::Binary(_) => {

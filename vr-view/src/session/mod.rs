@@ -5,15 +5,19 @@
 //! each of whose pixels is within a proven bound. What has become stale is cancelled through [`Control`](vr_core::Control).
 
 mod describe;
+mod desk;
 mod document;
 mod edit;
 mod engine;
 mod error;
 mod error_map;
 mod export;
+mod handle;
 mod label_look;
 mod navigation;
+mod output;
 mod pace;
+mod painter;
 mod pick;
 mod picture;
 mod ray_plot;
@@ -26,12 +30,14 @@ mod value_at;
 pub use describe::{Opened, State};
 pub use document::{Document, MAX_PIXELS};
 pub use edit::{Edit, PROVEN, Quality, Side};
-pub use engine::{Output, Painter, Session, Step};
 pub use error::{EditError, TruthError};
 pub use error_map::ErrorMap;
 pub use export::{Export, ExportError};
+pub use handle::Session;
 pub use label_look::LabelFiles;
+pub use output::Output;
 pub use pace::{FRAME_TIME, Pace};
+pub use painter::{Painter, Step};
 pub use pick::Pick;
 pub use picture::{ClientId, Head, Orientation, Picture, PictureError, Stage};
 pub use ray_plot::{PlotPart, RayPlot};

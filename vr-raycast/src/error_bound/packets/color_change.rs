@@ -362,9 +362,9 @@ fn length<S: Simd>(v: [f32x16<S>; 3]) -> f32x16<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error_bound::seeded::runner;
     use fearless_simd::{Level, dispatch};
     use proptest::prelude::*;
-    use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};
     use std::sync::Arc;
     use vr_core::filter::Lattice;
     use vr_core::{
@@ -488,15 +488,8 @@ mod tests {
 
     #[test]
     fn reflected_light_keeps_its_bound() {
-        let config = Config {
-            cases: 20_000,
-            rng_algorithm: RngAlgorithm::ChaCha,
-            rng_seed: RngSeed::Fixed(24),
-            failure_persistence: None,
-            ..Config::default()
-        };
         let found = std::cell::RefCell::new(Vec::new());
-        TestRunner::new(config)
+        runner(20_000, 24)
             .run(&cases(), |case| {
                 let share = share(&case);
                 found.borrow_mut().push(share);

@@ -69,7 +69,7 @@ const MAX_ROUNDS: u32 = 1 << 13;
 const MIN_PAUSE: u32 = 8;
 const MAX_PAUSE: u32 = 128;
 
-/// What sixteen rays go through in one round.
+/// Outcome of one round of sixteen rays.
 struct Advance<S: Simd> {
     /// Rays that go on, and those that have a step to add.
     taken: mask32x16<S>,
@@ -80,7 +80,7 @@ struct Advance<S: Simd> {
     there: [f32x16<S>; 4],
     light: [f32x16<S>; 4],
     cost: f32x16<S>,
-    /// How often the transmittance is rounded.
+    /// Number of times that the transmittance is rounded.
     roundings: f32,
 }
 

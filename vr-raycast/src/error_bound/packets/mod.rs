@@ -8,6 +8,8 @@ mod color_change;
 mod cost_table;
 mod gradients;
 mod march;
+#[cfg(test)]
+mod midpoints;
 mod path;
 mod step;
 mod stretch;

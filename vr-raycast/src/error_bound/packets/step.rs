@@ -249,46 +249,23 @@ impl<S: Simd> Step<S> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::midpoints::exact;
     use super::*;
     use crate::error_bound::optics::Optics;
+    use crate::error_bound::seeded::runner;
     use fearless_simd::{Level, dispatch};
     use proptest::prelude::*;
-    use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};
     use vr_core::{Calibration, ControlPoint, OpacityRule, TransferFunction};
     use vr_kernels::vector::LANES;
 
-    /// Returns opacity and light along a course by many midpoints, in f64.
-    fn exact(optics: &Optics, f: impl Fn(f64) -> f64, length: f64) -> [f64; 4] {
-        const N: usize = 4000;
-        let (mut light, mut clear) = ([0.0; 3], 1.0);
-        for i in 0..N {
-            let (rate, color) = optics.exactly(f((i as f64 + 0.5) / N as f64));
-            let alpha = -libm::expm1(-rate * length / N as f64);
-            for c in 0..3 {
-                light[c] += clear * alpha * color[c];
-            }
-            clear *= 1.0 - alpha;
-        }
-        let [r, g, b] = light;
-        [r, g, b, 1.0 - clear]
-    }
-
     /// Shares of their bounds that steps through random media use, along random cubics.
     fn shares(factor: f32) -> Vec<f64> {
-        let config = Config {
-            cases: 4000,
-            rng_algorithm: RngAlgorithm::ChaCha,
-            rng_seed: RngSeed::Fixed(23),
-            failure_persistence: None,
-            ..Config::default()
-        };
         let point = (0.0f64..1.0, prop::array::uniform3(0.0f64..1.0), 0.0f64..0.97);
         let media = (prop::collection::vec(point, 2..7), any::<bool>());
         let course = (0.1f64..0.9, -0.1f64..0.1, -0.03f64..0.03, -0.03f64..0.03, 0.02f64..2.0, 0.0f64..1.0);
         let found = std::cell::RefCell::new(Vec::new());
-        let run = TestRunner::new(config).run(
-            &(media, course),
-            |((mut points, power), (f0, rise, bow, cubic, length, flat))| {
+        let run =
+            runner(4000, 23).run(&(media, course), |((mut points, power), (f0, rise, bow, cubic, length, flat))| {
                 points.sort_by(|a, b| a.0.total_cmp(&b.0));
                 let points = points.into_iter().map(|(v, c, a)| ControlPoint::new(v, c, a)).collect();
                 let rule = if power { OpacityRule::Power } else { OpacityRule::Extinction };
@@ -313,7 +290,7 @@ mod tests {
                     let lanes = [step.light[0], step.light[1], step.light[2], step.light[3], step.missed * factor];
                     lanes.map(|lanes| f64::from(lanes[LANES / 2]))
                 });
-                let truth = exact(&optics, f, length);
+                let truth = exact(&optics, |s| f(s / length), length, 4000);
                 for behind in [0.0, f64::from(costs.brightest)] {
                     for c in 0..3 {
                         let got = step[c] + (1.0 - step[3]) * behind;
@@ -323,8 +300,7 @@ mod tests {
                     }
                 }
                 Ok(())
-            },
-        );
+            });
         run.unwrap();
         found.into_inner()
     }

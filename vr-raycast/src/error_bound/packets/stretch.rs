@@ -99,12 +99,13 @@ impl<S: Simd> Stretch<S> {
 mod tests {
     use super::super::BoundedPackets;
     use super::super::march::Packet;
+    use super::super::midpoints::exact;
     use super::*;
     use crate::error_bound::blocks::Blocks;
     use crate::error_bound::optics::Optics;
+    use crate::error_bound::seeded::runner;
     use fearless_simd::{Level, dispatch};
     use proptest::prelude::*;
-    use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};
     use vr_core::filter::Lattice;
     use vr_core::{
         Calibration, ControlPoint, Filter, GridVolume, OpacityRule, Placement, TransferFunction, UniformGrid,
@@ -113,47 +114,8 @@ mod tests {
 
     const SIDE: usize = 6;
 
-    /// Trilinear field of the samples, in f64.
-    fn field(samples: &[u8], p: [f64; 3]) -> f64 {
-        let cell = p.map(|x| x.floor().clamp(0.0, SIDE as f64 - 2.0));
-        let mut sum = 0.0;
-        for corner in 0..8usize {
-            let (mut weight, mut index) = (1.0, 0);
-            for a in (0..3).rev() {
-                let (up, t) = (corner >> a & 1, p[a] - cell[a]);
-                weight *= if up == 1 { t } else { 1.0 - t };
-                index = index * SIDE + cell[a] as usize + up;
-            }
-            sum += weight * f64::from(samples[index]);
-        }
-        sum
-    }
-
-    /// Returns light and opacity of a part of a ray by many midpoints, in f64.
-    fn exact(optics: &Optics, f: impl Fn(f64) -> f64, length: f64) -> [f64; 4] {
-        const N: usize = 8000;
-        let (mut light, mut clear) = ([0.0; 3], 1.0);
-        for i in 0..N {
-            let (rate, color) = optics.exactly(f((i as f64 + 0.5) / N as f64 * length));
-            let alpha = -libm::expm1(-rate * length / N as f64);
-            for c in 0..3 {
-                light[c] += clear * alpha * color[c];
-            }
-            clear *= 1.0 - alpha;
-        }
-        let [r, g, b] = light;
-        [r, g, b, 1.0 - clear]
-    }
-
     /// Shares of their bounds that stretches through random volumes and media use. `factor` scales the bounds.
     fn shares(factor: f64) -> Vec<f64> {
-        let config = Config {
-            cases: 1500,
-            rng_algorithm: RngAlgorithm::ChaCha,
-            rng_seed: RngSeed::Fixed(29),
-            failure_persistence: None,
-            ..Config::default()
-        };
         let point = (0.0f64..255.0, prop::array::uniform3(0.0f64..1.0), 0.0f64..0.97);
         let media = (prop::collection::vec(point, 2..7), any::<bool>());
         // From hardly any noise on a ramp to nothing but noise.
@@ -161,7 +123,7 @@ mod tests {
             (prop::collection::vec(0.0f64..1.0, SIDE.pow(3)), 0.0f64..1.0, prop::array::uniform3(0.0f64..16.0));
         let places = prop::array::uniform2(prop::array::uniform3(0.0f64..SIDE as f64 - 1.0));
         let found = std::cell::RefCell::new(Vec::new());
-        let run = TestRunner::new(config).run(
+        let run = runner(1500, 29).run(
             &(media, samples, places),
             |((mut points, power), (noise, rough, ramp), [from, to])| {
                 points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -222,7 +184,7 @@ mod tests {
                     [r, g, b, a, stretch.missed, stretch.to].map(|lanes| f64::from(lanes[LANES / 2]))
                 });
                 let at = |s: f64| std::array::from_fn(|a| from[a] + delta[a] * s);
-                let truth = exact(&optics, |s| field(&samples, at(s)), stretch[5]);
+                let truth = exact(&optics, |s| volume.stored_at(at(s)), stretch[5], 8000);
                 for behind in [0.0, f64::from(packets.costs.brightest)] {
                     for c in 0..4 {
                         let got = stretch[c] + (1.0 - stretch[3]) * behind * f64::from(c < 3);
