@@ -6,6 +6,7 @@ use vr_kernels::ranges::VisibleLevels;
 use vr_kernels::tables::{BakedTransfer, table_range};
 use vr_kernels::vector::OpticsTable;
 
+use crate::cell_range::CellRange;
 use crate::ghosts::{BEYOND, Ghosts, Vacuum};
 use crate::input::{SplatInput, offset, unit};
 use crate::kernel::Shape;
@@ -136,13 +137,15 @@ impl LatticeVisitor for FindVisible<'_> {
             return VisibleVoxels::single(&lattice, &missing(self.grid), &shows);
         }
         let reach = self.renderer.kernel.reach();
-        // What a sheet is classified by is a mean over its thickness, but for products, which are taken in its middle.
-        let beyond = match (self.renderer.buffers, self.renderer.kernel.shape.is_separable()) {
-            (Buffers::Image, true) => 0.0,
-            (Buffers::Image, false) => 0.5 * self.renderer.slice_spacing,
+        // A sheet parallel to the image has the field's value in its middle, one of the volume's own a mean over whole kernels.
+        let beyond = match self.renderer.buffers {
+            Buffers::Image => 0.0,
             _ => reach.into_iter().fold(0.0, f64::max),
         };
         let overshoot = overshoot(self.renderer) as f32;
-        VisibleVoxels::reconstructed(&lattice, self.vacuum, self.seen, reach, beyond, overshoot)
+        // A field of radial kernels is smoother than their reach tells; widened ones have another one.
+        let is_fine = beyond == 0.0 && !self.renderer.kernel.shape.is_separable() && self.renderer.low_pass == 0.0;
+        let fine = if is_fine { CellRange::new(&self.renderer.kernel) } else { None };
+        VisibleVoxels::reconstructed(&lattice, self.vacuum, self.seen, reach, beyond, (overshoot, fine.as_ref()))
     }
 }

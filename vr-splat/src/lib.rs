@@ -11,7 +11,8 @@
 //! 2. **Kernel space.** An affine map makes a kernel of any grid and width a unit ball or cube. A ray stays a line there, in perspective, too:
 //!    how near it passes is exact, where the classic takes an affine approximation of the view about each splat.
 //! 3. **Footprints.** What a ray takes of a radial kernel between two depths comes from one table of partial line integrals, whatever the view. Products
-//!    of linear weights and of B-splines are integrated by rules that are exact for their pieces, or next to it.
+//!    of linear weights and of B-splines are integrated by rules that are exact for their pieces, or next to it. Where values of a grid are classified in sheets
+//!    parallel to the image, weights are divided out, and each kernel is taken in the middle of a sheet: radial ones by their formula.
 //!    Of scattered points with cubic splines or Gaussians, a ray's chord is looked up once, and each sheet costs a polynomial in its place on the chord.
 //! 4. **Tiles** of 32² pixels, in parallel: splats are binned, sorted by sheet (radix), and added to a ring of sheets, four by four pixels to a vector.
 //!    Blocks of 16 pixels that are opaque take no more. No bit depends on the number of threads.
@@ -92,6 +93,7 @@
 mod bins;
 mod bit_rows;
 mod capabilities;
+mod cell_range;
 mod chord_table;
 mod classified;
 mod finish;

@@ -18,11 +18,12 @@ use crate::finish::Picture;
 use crate::ghosts::Ghosts;
 use crate::gradient_optics::GradientOptics;
 use crate::input::{SplatInput, offset, profile};
+use crate::kernel::Profile;
 use crate::model::SplatModel;
 use crate::point_lights::{GradientsAtPoints, point_lights};
 use crate::projection::SplatView;
 use crate::shading::Shader;
-use crate::sheets::{ImageSheets, MIN_MET, OwnSheets};
+use crate::sheets::{ImageSheets, MIN_MET, OwnSheets, takes_middles};
 use crate::source::{GridSplats, PointSplats, Source, Spread};
 use crate::splatter::{Buffers, CompositingOrder, Splatter};
 use crate::tile::{Bounds, Classifier, Content, FootprintKernel, Painter, SplatLight, VisibleCells};
@@ -253,6 +254,10 @@ impl PreparedSplatter {
                 boxed: crate::sheets::is_boxed(renderer, scene, input),
             },
             kernel: &self.kernel,
+            in_middle: match profile(renderer, input) {
+                Profile::Radial(radial) if takes_middles(renderer, input) => radial.weight(),
+                _ => None,
+            },
             operator,
             buffers: renderer.buffers,
             distance: sheets.distance as f32,

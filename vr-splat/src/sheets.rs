@@ -25,6 +25,12 @@ pub(crate) fn is_boxed(renderer: &Splatter, scene: &Scene, input: &SplatInput) -
     matches!(input, SplatInput::Grid(_)) && (in_image_sheets || !scene.compositing.integrates_light())
 }
 
+/// True if kernels are taken in the middle of sheets: where values of a grid are classified, or picked, in sheets parallel to the image. There weights are
+/// divided out, and a sheet's value is the field's in its middle. Light, and points, are integrated over each sheet.
+pub(crate) fn takes_middles(renderer: &Splatter, input: &SplatInput) -> bool {
+    matches!(input, SplatInput::Grid(_)) && renderer.buffers == Buffers::Image && !renderer.splats_light()
+}
+
 /// The view of all that may be drawn.
 pub(crate) fn splat_view(
     renderer: &Splatter,

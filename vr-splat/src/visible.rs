@@ -6,6 +6,7 @@ use vr_core::{AnyGrid, Calibration, GridVolume, TransferFunction};
 use vr_kernels::ranges::{VisibleLevels, VisibleValues};
 
 use crate::bit_rows::{BitRows, Run};
+use crate::cell_range::CellRange;
 use crate::ghosts::Vacuum;
 
 /// The voxels that matter, row by row, and the cells in which something can be seen.
@@ -56,19 +57,19 @@ impl VisibleVoxels {
     }
 
     /// Voxels on which the field depends wherever it can be seen. Kernels reach `reach` voxels, what is asked of the field within a cell may depend
-    /// on `beyond` of it on either side, and the field may overshoot its samples by `overshoot` of their range.
+    /// on `beyond` of it on either side, and the field may overshoot its samples by `overshoot` of their range; `fine` bounds it where that shows too much.
     pub(crate) fn reconstructed<T: vr_core::Voxel>(
         lattice: &Lattice<'_, T>,
         vacuum: Vacuum<'_>,
         levels: &VisibleLevels,
         reach: [f64; 3],
         beyond: f64,
-        overshoot: f32,
+        (overshoot, fine): (f32, Option<&CellRange>),
     ) -> Self {
         let dims @ [nx, ny, nz] = lattice.dims;
         // A place in a cell lies up to a voxel from its farther corners; what reaches farther brings in other voxels.
         let other = reach.map(|r| (r - 1.0 + beyond).ceil().max(0.0) as usize);
-        let cells = CellBits::new(lattice, vacuum, levels, other, overshoot);
+        let cells = CellBits::new(lattice, vacuum, levels, other, (overshoot, fine));
         let near = reach.map(|r| (r + beyond).ceil().max(1.0) as usize);
         let spread: Vec<BitRows> = collect(dims[2] - 1, |z| cells.layers[z].to_voxels(near, [nx, ny]));
         let layer = |z: usize| {
@@ -123,10 +124,31 @@ impl CellBits {
         vacuum: Vacuum<'_>,
         levels: &VisibleLevels,
         other: [usize; 3],
-        overshoot: f32,
+        (overshoot, fine): (f32, Option<&CellRange>),
     ) -> Self {
         let [nx, ny, nz] = lattice.dims;
+        // True if the field may show in a cell whose voxels' range does.
+        let shows_finely = |cell: [usize; 3], [min, max]: [f32; 2], around: &mut Vec<f32>| {
+            let Some((fine, [first, sides])) = fine.and_then(|fine| Some((fine, fine.voxels(cell, lattice.dims)?)))
+            else {
+                return true;
+            };
+            if levels.all(f64::from(min), f64::from(max)) {
+                return true;
+            }
+            around.clear();
+            for k in first[2]..first[2] + sides[2] {
+                for j in first[1]..first[1] + sides[1] {
+                    let row = &lattice.samples[(k * ny + j) * nx + first[0]..][..sides[0]];
+                    around.extend(row.iter().map(|sample| sample.to_f32()));
+                }
+            }
+            // What is not a number bounds nothing.
+            let shows = |[from, to]: [f32; 2]| from.is_nan() || levels.any(f64::from(from), f64::from(to));
+            fine.bounds(around, max - min).any(shows)
+        };
         let layer = |z: usize| {
+            let mut within_reach = Vec::new();
             let mut bits = BitRows::new(nx - 1, ny - 1);
             // Of each column of samples around the layer, then of neighbours along y, then along x.
             let (mut low, mut high) = (vec![f32::INFINITY; nx * ny], vec![f32::NEG_INFINITY; nx * ny]);
@@ -159,7 +181,8 @@ impl CellBits {
                     let min = row_low[around.clone()].iter().copied().fold(f32::INFINITY, f32::min);
                     let max = row_high[around].iter().copied().fold(f32::NEG_INFINITY, f32::max);
                     let more = overshoot * (max - min);
-                    if levels.any(f64::from(min - more), f64::from(max + more)) && !vacuum.is_at([x, y, z]) {
+                    let shows = levels.any(f64::from(min - more), f64::from(max + more)) && !vacuum.is_at([x, y, z]);
+                    if shows && shows_finely([x, y, z], [min, max], &mut within_reach) {
                         bits.set(x, y);
                     }
                 }
@@ -206,7 +229,7 @@ mod tests {
         let own = VisibleVoxels::single(&lattice, &|_| false, &|value| levels.any(value, value));
         assert_eq!(voxels(&own), [[64, 2, 3]]);
         let whole = Vacuum { cells: None, dims, beyond: 0 };
-        let linear = VisibleVoxels::reconstructed(&lattice, whole, &levels, [1.0; 3], 0.0, 0.0);
+        let linear = VisibleVoxels::reconstructed(&lattice, whole, &levels, [1.0; 3], 0.0, (0.0, None));
         // Eight cells around it, and their corners.
         let want: Vec<[usize; 3]> =
             (2..5).flat_map(|z| (1..4).flat_map(move |y| (63..66).map(move |x| [x, y, z]))).collect();
@@ -215,7 +238,7 @@ mod tests {
         let cells = linear.cells.as_ref().unwrap();
         assert!(cells.is_visible(63, 1, 2) && cells.is_visible(64, 2, 3) && !cells.is_visible(65, 2, 3));
         // Kernels that reach two voxels see it from one cell farther, and these depend on two voxels each way.
-        let wide = VisibleVoxels::reconstructed(&lattice, whole, &levels, [2.0; 3], 0.0, 0.0);
+        let wide = VisibleVoxels::reconstructed(&lattice, whole, &levels, [2.0; 3], 0.0, (0.0, None));
         assert!(wide.cells.as_ref().unwrap().is_visible(62, 0, 1));
         assert!(voxels(&wide).contains(&[61, 0, 0]) && !voxels(&wide).contains(&[60, 0, 0]));
     }

@@ -25,7 +25,7 @@ mod wide_field;
 pub use any_field::{AnyField, ByType};
 pub use chords::Chords;
 pub use elementary::{
-    depth_of_opacity, ln, opacity_of_depth, source_weight, source_weight_and_opacity, step_of_thickness,
+    depth_of_opacity, exp, ln, opacity_of_depth, source_weight, source_weight_and_opacity, step_of_thickness,
 };
 pub use field::{Cells, Field, Pairs, Stage, TwoRows, cells, inside};
 pub use lanes::Lanes;

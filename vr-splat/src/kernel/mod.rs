@@ -3,7 +3,7 @@
 mod partition;
 mod profile;
 
-pub(crate) use profile::{Profile, Radial, quadrature};
+pub(crate) use profile::{Profile, Radial, RadialWeight, quadrature};
 
 use vr_core::Filter;
 

@@ -84,6 +84,15 @@ enum Form {
     Point(PointKernel),
 }
 
+/// A radially symmetric kernel of a grid as a formula of the distance t from its middle, but for a factor, and 0 beyond 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum RadialWeight {
+    /// e^(−rate t²) − edge, where that is not below 0.
+    Gaussian { rate: f32, edge: f32 },
+    /// 1 − t.
+    Cone,
+}
+
 /// 1 − |t|.
 pub(crate) fn tent(t: f64) -> f64 {
     (1.0 - t.abs()).max(0.0)
@@ -163,6 +172,17 @@ impl Radial {
                 Form::Cone => 0.0,
                 Form::Point(kernel) => kernel.slope_by_distance(t),
             }
+    }
+
+    /// Its formula, of a grid's kernel; `None` for those of scattered points.
+    pub(crate) fn weight(&self) -> Option<RadialWeight> {
+        match self.form {
+            Form::Gaussian { deviations, edge } => {
+                Some(RadialWeight::Gaussian { rate: (0.5 * deviations * deviations) as f32, edge: edge as f32 })
+            }
+            Form::Cone => Some(RadialWeight::Cone),
+            Form::Point(_) => None,
+        }
     }
 
     /// The kernel of scattered points; `None` for kernels of grids.

@@ -159,7 +159,13 @@ pub(crate) fn gather(
             let missing = missing(grid);
             let calibration = grid.calibration();
             let beyond = DVec3::splat(ghosts.map_or(0.0, |_| BEYOND as f64));
-            let near = NearLine { index: [line.index[0] + beyond, line.index[1]], reach: renderer.kernel.reach() };
+            let size = view.kernel.axes.determinant().abs().cbrt();
+            let widened = |depth: f64| 1f64.hypot(renderer.low_pass * view.pixel_at(depth) * size);
+            // Kernels are widest where pixels are: at the corner that is deepest.
+            let last = grid.dims().map(|n| (n - 1) as f64);
+            let deepest = origin.z + (0..3).map(|a| (steps[a].z * last[a]).max(0.0)).sum::<f64>();
+            let reach = renderer.kernel.reach().map(|reach| reach * widened(deepest));
+            let near = NearLine { index: [line.index[0] + beyond, line.index[1]], reach };
             let found = match ghosts {
                 Some(ghosts) => near.visit(ghosts.lattice()),
                 None => grid.with_lattice(near),
@@ -167,8 +173,7 @@ pub(crate) fn gather(
             let weight = 1.0 / renderer.kernel.reach().into_iter().product::<f64>();
             let splat = |(at, stored): ([usize; 3], f64)| {
                 let place = origin + (0..3).map(|a| steps[a] * (at[a] as f64 - beyond[a])).sum::<DVec3>();
-                let size = view.kernel.axes.determinant().abs().cbrt();
-                let scale = 1.0 / 1f64.hypot(renderer.low_pass * view.pixel_at(place.z) * size);
+                let scale = 1.0 / widened(place.z);
                 ExactSplat {
                     place,
                     scale,

@@ -18,7 +18,7 @@ use crate::input::{SplatInput, profile};
 use crate::kernel::Profile;
 use crate::projection::SplatView;
 use crate::sample_shader::tinted;
-use crate::sheets::{AT_LAYER, ImageSheets, MIN_MET, OwnSheets, is_boxed, splat_view};
+use crate::sheets::{AT_LAYER, ImageSheets, MIN_MET, OwnSheets, is_boxed, splat_view, takes_middles};
 use crate::sight::Sight;
 use crate::splatter::{Buffers, CompositingOrder, Splatter};
 use crate::voxel_optics::optics_of;
@@ -282,9 +282,9 @@ impl SplatModel {
             }
             let radial = matches!(profile, Profile::Radial(_));
             let middle = 0.5 * (from + to);
-            // Products are taken in the middle of a sheet.
+            // Products are taken in the middle of a sheet, and every kernel where weights are divided out.
             let section = |s: &ExactSplat| {
-                if radial {
+                if radial && !takes_middles(&self.renderer, input) {
                     s.section(profile, line, from, to)
                 } else {
                     s.at(profile, line, middle) * (to - from) * line.stretch

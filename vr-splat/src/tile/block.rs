@@ -28,6 +28,8 @@ pub(crate) struct Block {
     /// Depths behind the view's base between which there may be something; the wrong way round where there is nothing.
     pub(crate) near: Lanes,
     pub(crate) far: Lanes,
+    /// Depths between which nothing cuts any ray along which there may be something.
+    pub(crate) uncut: [f32; 2],
     /// Index-space position in a grid at depth 0, and its change per unit of depth.
     pub(crate) index: [[Lanes; 3]; 2],
 }
@@ -55,6 +57,7 @@ impl Block {
         stretch: Lanes::ZERO,
         near: Lanes::ZERO,
         far: Lanes::ZERO,
+        uncut: [0.0; 2],
         index: [[Lanes::ZERO; 3]; 2],
     };
 
@@ -92,6 +95,9 @@ impl Block {
             // Within f32, and far from its end.
             (self.near.0[i], self.far.0[i]) = (near.max(-1e30) as f32, far.min(1e30) as f32);
         }
+        let ends = self.near.0.iter().zip(&self.far.0).filter(|(near, far)| near < far);
+        self.uncut =
+            ends.fold([f32::NEG_INFINITY, f32::INFINITY], |[from, to], (near, far)| [from.max(*near), to.min(*far)]);
     }
 
     /// Between which depths rays are cut off by the clip, the layer, the eye, and the grid's box.

@@ -1,7 +1,7 @@
 //! Compositing of a sheet: its content becomes light, and joins what is before it.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16};
+use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_kernels::vector::{
     LANES, Lanes, Operator, StepOptics, opacity_of_depth, pick, source_weight, splat, step_light,
 };
@@ -14,13 +14,14 @@ use super::painter::{Classifier, Content, VisibleCells};
 use super::{Tile, sloped_mean};
 
 impl Tile<'_> {
-    /// Classifies what a sheet between two depths holds in a block, and takes it in.
+    /// Classifies what a sheet between two depths holds in a block, from the channel `at` on, and takes it in; `sheet` is its number where it is parallel to the
+    /// image.
     #[inline(always)]
     pub(super) fn composite<S: Simd>(
         &mut self,
         simd: S,
-        number: usize,
-        at: usize,
+        [number, at]: [usize; 2],
+        sheet: Option<usize>,
         length: f32x16<S>,
         mut part: [f32x16<S>; 2],
     ) {
@@ -63,8 +64,9 @@ impl Tile<'_> {
                 let inside = there;
                 // Nothing is taken from cells in which nothing can be seen.
                 if let Some(cells) = cells {
-                    let visible = self.in_visible_cells(simd, number, depth, cells);
-                    there &= Lanes(visible).load(simd).simd_gt(zero);
+                    let known = sheet.and_then(|sheet| self.sighted.rays(sheet, number));
+                    let rays = known.unwrap_or_else(|| self.in_visible_cells(simd, number, depth, cells));
+                    there &= mask32x16::from_bitmask(simd, rays.into());
                 }
                 if operator == Operator::Average && colors.is_some() {
                     self.sum_colors(simd, number, depth, pick(there, length, zero));
@@ -191,7 +193,7 @@ impl Tile<'_> {
         }
     }
 
-    /// 1 for rays that are in a cell in which something can be seen at a depth.
+    /// Rays that are in a cell in which something can be seen at a depth, a bit each.
     #[inline(always)]
     pub(super) fn in_visible_cells<S: Simd>(
         &self,
@@ -199,16 +201,16 @@ impl Tile<'_> {
         number: usize,
         depth: f32x16<S>,
         cells: &VisibleCells<'_>,
-    ) -> [f32; LANES] {
+    ) -> u16 {
         let &VisibleCells { bits, dims, beyond } = cells;
         // A layer lies between two cells: of the volume's own sheets, the one behind it counts, whatever rounding does.
         let ahead = beyond as f32 + if self.painter.layers.is_some() { AT_LAYER as f32 } else { 0.0 };
         let index = self.place(simd, number, depth);
-        let mut visible = [0.0; LANES];
+        let mut visible = 0;
         for i in 0..LANES {
             // `as` saturates at 0.
             let cell = |a: usize| ((index[a].0[i] + ahead) as usize).clamp(beyond, dims[a] - 2 - beyond);
-            visible[i] = if bits.is_visible(cell(0), cell(1), cell(2)) { 1.0 } else { 0.0 };
+            visible |= u16::from(bits.is_visible(cell(0), cell(1), cell(2))) << i;
         }
         visible
     }

@@ -78,12 +78,19 @@ pub(crate) struct Axes {
     across: [[f32; 3]; 2],
     /// |x|², 2 x·y, |y|² of these.
     square: [f32; 3],
+    /// See [`Self::round`].
+    round: Option<f32>,
 }
 
 impl Axes {
     pub(crate) fn new(view: &SplatView) -> Self {
-        let [x, y] = [view.kernel.axes.x_axis, view.kernel.axes.y_axis];
+        let [x, y, z] = [view.kernel.axes.x_axis, view.kernel.axes.y_axis, view.kernel.axes.z_axis];
+        let square = z.length_squared();
+        // A turn rounds to a few units in the last place.
+        let skew = [x.dot(y), y.dot(z), z.dot(x), x.length_squared() - square, y.length_squared() - square];
+        let is_round = !view.perspective && skew.iter().all(|part| part.abs() < 1e-12 * square);
         Self {
+            round: is_round.then_some(square as f32),
             perspective: view.perspective,
             base: view.base as f32,
             across: [x.as_vec3().to_array(), y.as_vec3().to_array()],
@@ -95,6 +102,12 @@ impl Axes {
     #[inline(always)]
     pub(crate) fn square(&self) -> [f32; 3] {
         self.square
+    }
+
+    /// The square of kernel space per unit of the view, where rays are parallel and that is the same in all directions.
+    #[inline(always)]
+    pub(crate) fn round(&self) -> Option<f32> {
+        self.round
     }
 
     /// Factor of rays' X and Y at a splat's depth.
@@ -122,22 +135,38 @@ pub(crate) struct Passing<S: Simd> {
     pub(crate) speed: f32x16<S>,
 }
 
-impl<S: Simd> Passing<S> {
-    /// `None` if no ray meets the kernel.
+/// Places of rays that are nearest to a splat in kernel space.
+pub(crate) struct Nearest<S: Simd> {
+    /// Squares of their distances from it: rays that pass at 1 or farther miss a kernel that is a ball.
+    pub(crate) square: f32x16<S>,
+    /// Their depths.
+    pub(crate) depth: f32x16<S>,
+}
+
+impl<S: Simd> Nearest<S> {
+    /// `None` if no ray meets the kernel, which is a ball.
     #[inline(always)]
     pub(crate) fn new(simd: S, axes: &Axes, block: &Block, at: &Splat) -> Option<Self> {
         let [u, v] = beside(simd, axes, block, at);
         let square = u * u * axes.square[0] + u * v * axes.square[1] + v * v * axes.square[2];
         let along = u * block.across[0].load(simd) + v * block.across[1].load(simd);
         let ahead = along * block.inverse_square.load(simd);
-        let distance = (square - along * ahead) * (at.scale * at.scale);
-        let one = splat(simd, 1.0);
-        if !distance.simd_lt(one).any_true() {
+        let square = (square - along * ahead) * (at.scale * at.scale);
+        if !square.simd_lt(splat(simd, 1.0)).any_true() {
             return None;
         }
+        Some(Self { square, depth: splat(simd, at.place[2]) - ahead })
+    }
+}
+
+impl<S: Simd> Passing<S> {
+    /// `None` if no ray meets the kernel.
+    #[inline(always)]
+    pub(crate) fn new(simd: S, axes: &Axes, block: &Block, at: &Splat) -> Option<Self> {
+        let Nearest { square, depth } = Nearest::new(simd, axes, block, at)?;
         Some(Self {
-            distance: distance.max(splat(simd, 0.0)).min(one).sqrt(),
-            nearest: splat(simd, at.place[2]) - ahead,
+            distance: square.max(splat(simd, 0.0)).min(splat(simd, 1.0)).sqrt(),
+            nearest: depth,
             speed: block.speed.load(simd) * at.scale,
         })
     }

@@ -5,8 +5,10 @@ mod chords;
 mod composite;
 mod footprint;
 mod fragments;
+mod middles;
 mod painter;
 mod sheets;
+mod sighted;
 mod sloped_mean;
 mod state;
 mod whole;
@@ -27,6 +29,7 @@ pub(crate) use painter::{Classifier, Content, Drawn, Painter, SplatLight, Visibl
 pub(crate) use state::State;
 
 use painter::Work;
+use sighted::Sighted;
 
 /// Blocks along the edge of a tile.
 const ACROSS: u32 = TILE / EDGE;
@@ -62,6 +65,7 @@ impl Vectorized for TileJob<'_> {
             sheets: vec![Lanes::ZERO; slots * BLOCKS * channels],
             touched: vec![0; slots],
             filled: vec![0; slots],
+            sighted: Sighted::new(painter, slots),
             work: Work::default(),
         };
         match (&painter.content, painter.buffers) {
@@ -108,6 +112,8 @@ struct Tile<'a> {
     touched: Vec<u64>,
     /// Blocks on whose rays supports cover all of a sheet, slot by slot, where what is covered matters.
     filled: Vec<u64>,
+    /// Rays that are in cells in which something can be seen, where that has been looked up.
+    sighted: Sighted,
     work: Work,
 }
 
@@ -148,9 +154,17 @@ impl Tile<'_> {
         Some(Covered { x: columns.map(|i| i / EDGE), y: rows.map(|i| i / EDGE), columns, rows })
     }
 
-    /// The next block, from (x, y) on, that takes more; its rays are ready then.
+    /// The number of a block that takes more, which a splat is added to; its rays are ready then.
     #[inline(always)]
     fn take(&mut self, x: u32, y: u32) -> Option<usize> {
+        let number = self.ready(x, y)?;
+        self.work.met += 1;
+        Some(number)
+    }
+
+    /// The number of a block that takes more; its rays are ready then.
+    #[inline(always)]
+    fn ready(&mut self, x: u32, y: u32) -> Option<usize> {
         let number = (y * ACROSS + x) as usize;
         if self.done >> number & 1 == 1 {
             return None;
@@ -170,7 +184,6 @@ impl Tile<'_> {
                 return None;
             }
         }
-        self.work.met += 1;
         Some(number)
     }
 }

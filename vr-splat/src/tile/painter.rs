@@ -4,6 +4,7 @@ use fearless_simd::Level;
 use vr_kernels::vector::{LANES, Operator, OpticsTable, VoxelColors};
 
 use crate::bins::Keyed;
+use crate::kernel::RadialWeight;
 use crate::point_gradients::PointGradient;
 use crate::point_mixture::{MixtureChannels, PointMixture};
 use crate::projection::SplatView;
@@ -24,6 +25,8 @@ pub(crate) struct Painter<'a> {
     pub(crate) view: &'a SplatView,
     pub(crate) bounds: Bounds<'a>,
     pub(crate) kernel: &'a FootprintKernel,
+    /// Formula of a radial kernel whose values are taken in the middle of sheets parallel to the image.
+    pub(crate) in_middle: Option<RadialWeight>,
     pub(crate) operator: Operator,
     pub(crate) buffers: Buffers,
     /// Distance between sheets that are parallel to the image, in the view's units.

@@ -59,9 +59,14 @@ impl Tile<'_> {
                 self.take_apart(simd, chords, &mut fragments, splat, &covered, [*key, last]);
                 continue;
             }
+            let blocks = self.sighted.blocks(*key..=last);
+            if let Some(weight) = painter.in_middle {
+                self.add_middles(simd, weight, splat, (&covered, blocks), [*key, last]);
+                continue;
+            }
             for y in covered.y[0]..=covered.y[1] {
                 for x in covered.x[0]..=covered.x[1] {
-                    if let Some(number) = self.take(x, y) {
+                    if let Some(number) = self.take_in_sight(simd, [x, y], blocks, [*key, last]) {
                         self.add_sections(simd, number, splat, *key, last);
                     }
                 }
@@ -130,6 +135,17 @@ impl Tile<'_> {
         }
     }
 
+    /// Depths at which a sheet parallel to the image begins and ends on the rays of a block, as far as they go.
+    #[inline(always)]
+    pub(super) fn faces<S: Simd>(&self, simd: S, number: usize, sheet: u32) -> [f32x16<S>; 2] {
+        let block = &self.blocks[number];
+        let (near, far) = (block.near.load(simd), block.far.load(simd));
+        let face = self.painter.distance;
+        let start = splat(simd, sheet as f32 * face).max(near).min(far);
+        let end = splat(simd, (sheet + 1) as f32 * face).max(near).min(far);
+        [start, end]
+    }
+
     /// Adds a section to a sheet of a block.
     #[inline(always)]
     pub(super) fn add_section<S: Simd>(
@@ -184,16 +200,13 @@ impl Tile<'_> {
         let mut touched = std::mem::take(&mut self.touched[slot]);
         self.filled[slot] = 0;
         let channels = self.channels;
-        let [front, back] = [sheet, sheet + 1].map(|k| k as f32 * painter.distance);
         while touched != 0 {
             let number = touched.trailing_zeros() as usize;
             touched &= touched - 1;
             let at = self.place_of(slot, number);
             let block = &self.blocks[number];
             let (length, part) = if of_image {
-                let (near, far) = (block.near.load(simd), block.far.load(simd));
-                let from = splat(simd, front).max(near).min(far);
-                let to = splat(simd, back).max(near).min(far);
+                let [from, to] = self.faces(simd, number, sheet);
                 ((to - from) * block.stretch.load(simd), [from, to])
             } else {
                 let mut depth = splat(simd, 0.0);
@@ -205,9 +218,11 @@ impl Tile<'_> {
                 // Weights of a sheet sum to its length along the ray.
                 (if channels == 2 { self.sheets[at + 1].load(simd) } else { splat(simd, 1.0) }, [depth; 2])
             };
-            self.composite(simd, number, at, length, part);
+            let sheet = of_image.then_some(sheet as usize);
+            self.composite(simd, [number, at], sheet, length, part);
             self.sheets[at..at + channels].fill(Lanes::ZERO);
         }
+        self.sighted.clear(slot);
     }
 }
 

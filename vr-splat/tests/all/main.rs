@@ -15,3 +15,4 @@ mod point_settings;
 mod points;
 mod random_scenes;
 mod shaded_points;
+mod sheet_middles;

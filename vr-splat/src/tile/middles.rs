@@ -1,0 +1,212 @@
+//! Values spread by radial kernels, in the middle of sheets parallel to the image, by a formula in place of tables of sections.
+//!
+//! The square of the distance from a voxel is quadratic in a sheet's number: from sheet to sheet a Gaussian changes by a factor, and that by another one,
+//! which stays. So it costs two multiplications a sheet, where nothing cuts the rays; and one where they are parallel and the kernel is a ball in the world,
+//! for then it is a product of a factor for each ray and one for each sheet.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+use vr_kernels::vector::{LANES, Lanes, exp, pick, splat};
+
+use crate::kernel::RadialWeight;
+use crate::splat::Splat;
+
+use super::footprint::Nearest;
+use super::sighted::SightedBlocks;
+use super::{Covered, Tile};
+
+/// Channels of a sheet of values: Σ w f and Σ w.
+const CHANNELS: usize = 2;
+
+/// Largest exponent with which a Gaussian is followed from sheet to sheet: what rounding leaves of it is a part of 40·2⁻²⁴, and grows with each sheet.
+const MAX_EXPONENT: f32 = 40.0;
+
+/// Sheets that a splat may be in.
+#[derive(Clone, Copy)]
+struct Reached {
+    /// First and last of those that its ball reaches into.
+    all: [u32; 2],
+    /// First, and end, of those whose middle lies in its ball as long as nothing cuts them.
+    uncut: [u32; 2],
+}
+
+/// A Gaussian e^(−rate t²) − edge.
+#[derive(Clone, Copy)]
+struct Gaussian {
+    rate: f32,
+    edge: f32,
+}
+
+impl Tile<'_> {
+    /// Adds the weights of a splat in the middle of each of some sheets, and its value times these.
+    #[inline(always)]
+    pub(super) fn add_middles<S: Simd>(
+        &mut self,
+        simd: S,
+        weight: RadialWeight,
+        at: &Splat,
+        (covered, blocks): (&Covered, SightedBlocks),
+        [first, last]: [u32; 2],
+    ) {
+        let painter = self.painter;
+        let half = painter.view.half_depth() as f32 / at.scale;
+        // Sheet k's middle lies k + ½ sheets behind the base. `as` saturates, and rounds down.
+        let [from, to] = [at.place[2] - half, at.place[2] + half].map(|z| (z * painter.per_distance + 0.5) as u32);
+        let reached = Reached { all: [first, last], uncut: [from.max(first), to.min(last + 1)] };
+        let factors = self.sheet_factors(simd, weight, at, reached.uncut);
+        let mut touched = 0u64;
+        for y in covered.y[0]..=covered.y[1] {
+            for x in covered.x[0]..=covered.x[1] {
+                let Some(number) = self.take_in_sight(simd, [x, y], blocks, [first, last]) else { continue };
+                if let (RadialWeight::Gaussian { rate, edge }, Some(factors)) = (weight, &factors)
+                    && self.is_uncut(number, reached.all)
+                {
+                    let gaussian = Gaussian { rate, edge };
+                    touched |= self.add_round(simd, gaussian, number, at, factors, reached.uncut);
+                    continue;
+                }
+                let Some(nearest) = Nearest::new(simd, &self.axes, &self.blocks[number], at) else { continue };
+                touched |= 1 << number;
+                match weight {
+                    RadialWeight::Gaussian { rate, edge } => {
+                        self.add_gaussian(simd, Gaussian { rate, edge }, number, at, &nearest, reached);
+                    }
+                    RadialWeight::Cone => self.add_cone(simd, number, at, &nearest, reached),
+                }
+            }
+        }
+        for sheet in first..=last {
+            self.touched[sheet as usize & (painter.ring as usize - 1)] |= touched;
+        }
+    }
+
+    /// Factors of a Gaussian splat for the middles of sheets, where they are the same for all rays and not too many.
+    #[inline(always)]
+    fn sheet_factors<S: Simd>(
+        &self,
+        simd: S,
+        weight: RadialWeight,
+        at: &Splat,
+        [first, end]: [u32; 2],
+    ) -> Option<[f32; LANES]> {
+        let (RadialWeight::Gaussian { rate, .. }, Some(square)) = (weight, self.axes.round()) else { return None };
+        if end > first + LANES as u32 {
+            return None;
+        }
+        let distance = self.painter.distance;
+        let number = Lanes(std::array::from_fn(|i| i as f32 + 0.5)).load(simd);
+        let ahead = (number + first as f32) * distance - at.place[2];
+        let along = rate * square * at.scale * at.scale;
+        Some((exp(simd, ahead * ahead * -along) * at.weight).to_array())
+    }
+
+    /// Adds a Gaussian that is a product of what the distance of a ray makes of it and what the depth of a sheet does; returns the block's bit if any ray
+    /// meets it.
+    #[inline(always)]
+    fn add_round<S: Simd>(
+        &mut self,
+        simd: S,
+        gaussian: Gaussian,
+        number: usize,
+        at: &Splat,
+        factors: &[f32; LANES],
+        [first, end]: [u32; 2],
+    ) -> u64 {
+        let block = &self.blocks[number];
+        let zero = splat(simd, 0.0);
+        let (u, v) = (block.lateral[0].load(simd) - at.place[0], block.lateral[1].load(simd) - at.place[1]);
+        let square = (u * u + v * v) * (self.axes.square()[0] * at.scale * at.scale);
+        let inside = square.simd_lt(splat(simd, 1.0));
+        if !inside.any_true() {
+            return 0;
+        }
+        let across = pick(inside, exp(simd, square * -gaussian.rate), zero);
+        let lowered = gaussian.edge * at.weight;
+        for (sheet, factor) in (first..end).zip(factors) {
+            self.add_weight(simd, [sheet as usize, number], (across * *factor - lowered).max(zero), at.value);
+        }
+        1 << number
+    }
+
+    #[inline(always)]
+    fn add_gaussian<S: Simd>(
+        &mut self,
+        simd: S,
+        Gaussian { rate, edge }: Gaussian,
+        number: usize,
+        at: &Splat,
+        nearest: &Nearest<S>,
+        reached: Reached,
+    ) {
+        let zero = splat(simd, 0.0);
+        // The exponent: a part for the distance of the ray, and one for the square of the depth from its nearest place.
+        let speed = self.blocks[number].speed.load(simd) * at.scale;
+        let (across, along) = (nearest.square * rate, speed * speed * rate);
+        let lowered = edge * at.weight;
+        let distance = self.painter.distance;
+        let [first, end] = reached.uncut;
+        if self.is_uncut(number, reached.all) {
+            let ahead = splat(simd, (first as f32 + 0.5) * distance) - nearest.depth;
+            let exponent = across + along * (ahead * ahead);
+            let turn = along * ((ahead * 2.0 + distance) * distance);
+            let inside = nearest.square.simd_lt(splat(simd, 1.0));
+            let largest = exponent.max(turn.abs());
+            if !(inside & largest.simd_gt(splat(simd, MAX_EXPONENT))).any_true() {
+                // Rays that miss the ball have no part, whatever the ratio.
+                let mut weight = pick(inside, exp(simd, -exponent) * at.weight, zero);
+                let mut ratio = exp(simd, -turn);
+                let fall = exp(simd, along * (-2.0 * distance * distance));
+                for sheet in first..end {
+                    self.add_weight(simd, [sheet as usize, number], (weight - lowered).max(zero), at.value);
+                    weight *= ratio;
+                    ratio *= fall;
+                }
+                return;
+            }
+        }
+        for sheet in reached.all[0]..=reached.all[1] {
+            let ahead = self.middle(simd, number, sheet) - nearest.depth;
+            let weight = exp(simd, -(across + along * (ahead * ahead))) * at.weight;
+            self.add_weight(simd, [sheet as usize, number], (weight - lowered).max(zero), at.value);
+        }
+    }
+
+    #[inline(always)]
+    fn add_cone<S: Simd>(&mut self, simd: S, number: usize, at: &Splat, nearest: &Nearest<S>, reached: Reached) {
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        let speed = self.blocks[number].speed.load(simd) * at.scale;
+        for sheet in reached.all[0]..=reached.all[1] {
+            let ahead = (self.middle(simd, number, sheet) - nearest.depth) * speed;
+            // The ray's own part may be rounded to less than nothing.
+            let distance = (nearest.square + ahead * ahead).max(zero).sqrt();
+            let weight = (one - distance).max(zero) * at.weight;
+            self.add_weight(simd, [sheet as usize, number], weight, at.value);
+        }
+    }
+
+    /// True if nothing cuts any ray of a block within some sheets.
+    #[inline(always)]
+    fn is_uncut(&self, number: usize, [first, last]: [u32; 2]) -> bool {
+        let [from, to] = self.blocks[number].uncut;
+        let distance = self.painter.distance;
+        from <= first as f32 * distance && (last + 1) as f32 * distance <= to
+    }
+
+    /// Depths in the middle of what rays have of a sheet.
+    #[inline(always)]
+    fn middle<S: Simd>(&self, simd: S, number: usize, sheet: u32) -> f32x16<S> {
+        let [start, end] = self.faces(simd, number, sheet);
+        (start + end) * 0.5
+    }
+
+    /// Adds a weight, and a value times that, to a sheet of a block.
+    #[inline(always)]
+    fn add_weight<S: Simd>(&mut self, simd: S, [sheet, number]: [usize; 2], weight: f32x16<S>, value: f32) {
+        let slot = sheet & (self.painter.ring as usize - 1);
+        let place = self.place_of(slot, number);
+        if let [sum, weights] = &mut self.sheets[place..place + CHANNELS] {
+            *sum = Lanes::new(sum.load(simd) + weight * value);
+            *weights = Lanes::new(weights.load(simd) + weight);
+        }
+    }
+}
