@@ -489,6 +489,7 @@ HOW = {
                           rename=lambda row: "Σ w − 1"),
     "splat-overlap": Printed(OVERLAP, "| {row} | {samples} ({samples bias}) | {axis} ({}) | "
                              + " | ".join(f"{{image {d}}} ({{}})" for d in ("4", "2", "1", "0.5", "0.25")) + " |"),
+    "splat-middles": Printed("cargo run --release -p vr-splat --example sheet_error", "| {row} | {2} | {1} | {0.5} | {0.25} |"),
     "splat-popping": Printed(OVERLAP, "| {row} | {} | {} | {} | {43} | {44} | {45} | {46} | {47} | {} | {} |",
                              rename={"Axis": "the volume's own sheets", "Image": "sheets parallel to the image"}.get),
     "splat-canonical": canonical,

@@ -13,7 +13,7 @@ use crate::splat::Splat;
 
 use super::footprint::Nearest;
 use super::sighted::SightedBlocks;
-use super::{Covered, Tile};
+use super::{ACROSS, Tile};
 
 /// Channels of a sheet of values: Σ w f and Σ w.
 const CHANNELS: usize = 2;
@@ -38,14 +38,14 @@ struct Gaussian {
 }
 
 impl Tile<'_> {
-    /// Adds the weights of a splat in the middle of each of some sheets, and its value times these.
+    /// Adds the weights of a splat in the middle of each of some sheets, and its value times these, to those of some blocks that are not dark.
     #[inline(always)]
     pub(super) fn add_middles<S: Simd>(
         &mut self,
         simd: S,
         weight: RadialWeight,
         at: &Splat,
-        (covered, blocks): (&Covered, SightedBlocks),
+        (mut takers, blocks): (u64, SightedBlocks),
         [first, last]: [u32; 2],
     ) {
         let painter = self.painter;
@@ -55,24 +55,25 @@ impl Tile<'_> {
         let reached = Reached { all: [first, last], uncut: [from.max(first), to.min(last + 1)] };
         let factors = self.sheet_factors(simd, weight, at, reached.uncut);
         let mut touched = 0u64;
-        for y in covered.y[0]..=covered.y[1] {
-            for x in covered.x[0]..=covered.x[1] {
-                let Some(number) = self.take_in_sight(simd, [x, y], blocks, [first, last]) else { continue };
-                if let (RadialWeight::Gaussian { rate, edge }, Some(factors)) = (weight, &factors)
-                    && self.is_uncut(number, reached.all)
-                {
-                    let gaussian = Gaussian { rate, edge };
-                    touched |= self.add_round(simd, gaussian, number, at, factors, reached.uncut);
-                    continue;
+        while takers != 0 {
+            let taker = takers.trailing_zeros();
+            takers &= takers - 1;
+            let place = [taker % ACROSS, taker / ACROSS];
+            let Some(number) = self.take_in_sight(simd, place, blocks, [first, last]) else { continue };
+            if let (RadialWeight::Gaussian { rate, edge }, Some(factors)) = (weight, &factors)
+                && self.is_uncut(number, reached.all)
+            {
+                let gaussian = Gaussian { rate, edge };
+                touched |= self.add_round(simd, gaussian, number, at, factors, reached.uncut);
+                continue;
+            }
+            let Some(nearest) = Nearest::new(simd, &self.axes, &self.blocks[number], at) else { continue };
+            touched |= 1 << number;
+            match weight {
+                RadialWeight::Gaussian { rate, edge } => {
+                    self.add_gaussian(simd, Gaussian { rate, edge }, number, at, &nearest, reached);
                 }
-                let Some(nearest) = Nearest::new(simd, &self.axes, &self.blocks[number], at) else { continue };
-                touched |= 1 << number;
-                match weight {
-                    RadialWeight::Gaussian { rate, edge } => {
-                        self.add_gaussian(simd, Gaussian { rate, edge }, number, at, &nearest, reached);
-                    }
-                    RadialWeight::Cone => self.add_cone(simd, number, at, &nearest, reached),
-                }
+                RadialWeight::Cone => self.add_cone(simd, number, at, &nearest, reached),
             }
         }
         for sheet in first..=last {

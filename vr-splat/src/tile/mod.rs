@@ -128,6 +128,13 @@ struct Covered {
 }
 
 impl Covered {
+    /// The blocks of the rectangle, a bit each.
+    #[inline(always)]
+    fn blocks(&self) -> u64 {
+        let row = ((2u64 << self.x[1]) - 1) & !((1 << self.x[0]) - 1);
+        (self.y[0]..=self.y[1]).fold(0, |all, y| all | row << (y * ACROSS))
+    }
+
     /// Number of pixels of the rectangle within the tile.
     #[inline(always)]
     fn pixels(&self) -> u32 {

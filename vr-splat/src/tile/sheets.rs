@@ -60,8 +60,12 @@ impl Tile<'_> {
                 continue;
             }
             let blocks = self.sighted.blocks(*key..=last);
+            let takers = covered.blocks() & !self.done & !blocks.dark;
+            if takers == 0 {
+                continue;
+            }
             if let Some(weight) = painter.in_middle {
-                self.add_middles(simd, weight, splat, (&covered, blocks), [*key, last]);
+                self.add_middles(simd, weight, splat, (takers, blocks), [*key, last]);
                 continue;
             }
             for y in covered.y[0]..=covered.y[1] {

@@ -28,7 +28,7 @@ pub(super) struct SightedBlocks {
     /// Looked up.
     known: u64,
     /// Looked up, and no ray is in such a cell.
-    dark: u64,
+    pub(super) dark: u64,
 }
 
 impl Sighted {
