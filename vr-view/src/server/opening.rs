@@ -141,7 +141,8 @@ impl Openings {
 
 impl UploadFolder for TempDir {
     fn empty() -> io::Result<Self> {
-        tempfile::Builder::new().prefix("vr-view-").tempdir()
+        // The number of the process tells whose folder it is, if a crash has left it.
+        tempfile::Builder::new().prefix(&format!("vr-view-{}-", std::process::id())).tempdir()
     }
 
     fn append(&mut self, name: &str, is_new: bool, bytes: &[u8]) -> io::Result<()> {

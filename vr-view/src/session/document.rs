@@ -4,7 +4,9 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 use vr_core::{Camera, Clip, Options, Projection, RenderError, Renderer, Scene, Surfaces, View, Volume};
-use vr_io::{CameraSection, CompositingName, LoadedScene, RenderSection, SceneFile, TransferSection, USUAL_FOV};
+use vr_io::{
+    CameraSection, CompositingName, LabelsSection, LoadedScene, RenderSection, SceneFile, TransferSection, USUAL_FOV,
+};
 use vr_look::{Survey, fit};
 use vr_mesh::Surface;
 use vr_study::stated::StatedRenderer;
@@ -125,6 +127,11 @@ impl Document {
     /// The volume as slices show it: under the scene's filter, and without the codes that labels make of its values.
     pub fn values(&self) -> &Volume {
         &self.values
+    }
+
+    /// Looks of the labels as they stand; `None` where there are none.
+    pub fn labels(&self) -> Option<&LabelsSection> {
+        self.file.labels.as_ref()
     }
 
     /// The view of the picture at rest.

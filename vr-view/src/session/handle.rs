@@ -6,7 +6,8 @@ use std::thread::{self, JoinHandle};
 
 use glam::DVec3;
 use vr_core::clock::Instant;
-use vr_core::{Control, RenderError, Renderer, Scene, View};
+use vr_core::{Control, RenderError, Renderer, Scene, View, Volume};
+use vr_io::LabelsSection;
 use vr_look::Survey;
 
 use super::describe::{Opened, State};
@@ -238,17 +239,17 @@ impl Session {
     /// A slice that makes no sense, labels that cannot be read, or [`RenderError::Cancelled`].
     pub fn slice(&self, query: &SliceQuery, control: &Control) -> Result<Slice, TruthError> {
         let flag = control.cancel_flag();
-        let (subject, volume) = {
+        let (subject, volume, section) = {
             let mut desk = self.shared.desk();
             if desk.ended {
                 return Err(RenderError::Cancelled.into());
             }
             desk.sliced.push(Arc::clone(&flag));
-            (Arc::clone(desk.document.subject()), desk.document.values().clone())
+            field_and_labels(&desk.document)
         };
         let made = control.cancellable(|| {
-            let labels = subject.label_looks()?;
-            Ok(Slice::of(&volume, labels, subject.is_patient(), query, control)?)
+            let labels = subject.read_labels()?.map(|read| read.looks(section.as_ref()));
+            Ok(Slice::of(&volume, labels.as_ref(), subject.is_patient(), query, control)?)
         });
         self.shared.desk().sliced.retain(|sliced| !Arc::ptr_eq(sliced, &flag));
         made.unwrap_or_else(|stopped| Err(RenderError::from(stopped).into()))
@@ -259,11 +260,8 @@ impl Session {
     /// # Errors
     /// Labels that cannot be read.
     pub fn place(&self, at: DVec3) -> Result<Place, TruthError> {
-        let (subject, volume) = {
-            let desk = self.shared.desk();
-            (Arc::clone(desk.document.subject()), desk.document.values().clone())
-        };
-        let label = subject.label_looks()?.and_then(|looks| looks.at(at)).cloned();
+        let (subject, volume, section) = field_and_labels(&self.shared.desk().document);
+        let label = subject.read_labels()?.and_then(|read| read.looks(section.as_ref()).at(at).cloned());
         Ok(Place { at, value: value_at(&volume, at), label })
     }
 
@@ -315,6 +313,11 @@ impl Drop for Session {
             let _ = thread.join();
         }
     }
+}
+
+/// What slices and places show of a document as it stands: its volume, and the looks of its labels.
+fn field_and_labels(document: &Document) -> (Arc<Subject>, Volume, Option<LabelsSection>) {
+    (Arc::clone(document.subject()), document.values().clone(), document.labels().cloned())
 }
 
 /// The renderer of a document's picture at rest.

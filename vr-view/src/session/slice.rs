@@ -83,7 +83,7 @@ impl Slice {
     /// Samples a volume, row by row, until it is cancelled.
     pub(super) fn of(
         volume: &Volume,
-        labels: Option<&LabelLooks>,
+        labels: Option<&LabelLooks<'_>>,
         patient: bool,
         &SliceQuery { axis, at, side }: &SliceQuery,
         control: &Control,

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use vr_core::{Scene, StudiedRenderer, TriangleMesh};
 use vr_io::{FileError, LoadedVolume, SceneFile};
 
-use super::label_look::{LabelFiles, LabelLooks};
+use super::label_look::{LabelFiles, ReadLabels};
 
 /// A volume and the scene around it, read and complete.
 pub struct Subject {
@@ -28,7 +28,7 @@ pub struct Subject {
 #[derive(Default)]
 pub struct Labels {
     files: Option<LabelFiles>,
-    read: OnceLock<LabelLooks>,
+    read: OnceLock<ReadLabels>,
 }
 
 impl From<LabelFiles> for Labels {
@@ -52,13 +52,13 @@ impl Subject {
     ///
     /// # Errors
     /// Files that can no longer be read.
-    pub(super) fn label_looks(&self) -> Result<Option<&LabelLooks>, FileError> {
+    pub(super) fn read_labels(&self) -> Result<Option<&ReadLabels>, FileError> {
         let Some(files) = &self.labels.files else { return Ok(None) };
         if let Some(read) = self.labels.read.get() {
             return Ok(Some(read));
         }
-        let looks = LabelLooks::read(files, self.file.labels.as_ref())?;
-        Ok(Some(self.labels.read.get_or_init(|| looks)))
+        let read = ReadLabels::read(files)?;
+        Ok(Some(self.labels.read.get_or_init(|| read)))
     }
 }
 

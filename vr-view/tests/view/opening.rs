@@ -179,10 +179,11 @@ fn begin(running: &Running, bytes: usize) -> String {
     begun["id"].as_str().unwrap().to_owned()
 }
 
-/// Folders of uploads on this machine.
+/// Folders of this process's uploads: others on this machine come and go.
 fn folders() -> usize {
+    let own = format!("vr-view-{}-", std::process::id());
     let names = std::fs::read_dir(std::env::temp_dir()).unwrap().flatten().map(|entry| entry.file_name());
-    names.filter(|name| name.to_string_lossy().starts_with("vr-view-")).count()
+    names.filter(|name| name.to_string_lossy().starts_with(&own)).count()
 }
 
 #[test]
