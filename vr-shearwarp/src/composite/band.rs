@@ -318,11 +318,19 @@ impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
                 self.shares(x, &mut shares);
             }
             let shares = (!whole).then_some(&shares);
-            // Each kind of chunk is called in one place only: all that is called is inlined.
+            // Each kind of chunk is called in one place only, so that it is inlined; but by the compiler's choice, after it has simplified it:
+            // simplifying all of it at once takes half as long again to compile.
+            let (kernel, row) = (self.kernel, &mut self.row);
             let Added { samples, mut closed } = if unit {
-                self.kernel.add::<S, N, true>(simd, &edges, columns, chunk, shares, &mut self.row)
+                simd.vectorize(
+                    #[inline(always)]
+                    || kernel.add::<S, N, true>(simd, &edges, columns, chunk, shares, row),
+                )
             } else {
-                self.kernel.add::<S, N, false>(simd, &edges, columns, chunk, shares, &mut self.row)
+                simd.vectorize(
+                    #[inline(always)]
+                    || kernel.add::<S, N, false>(simd, &edges, columns, chunk, shares, row),
+                )
             };
             let drawn = &mut self.line.drawn;
             *drawn = [drawn[0].min(x as u32), drawn[1].max((x + n) as u32)];
