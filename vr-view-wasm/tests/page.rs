@@ -87,7 +87,7 @@ fn text(browser: &mut Browser, address: &str) -> String {
     asked.as_str().unwrap().to_owned()
 }
 
-/// Checks that the pixels on the screen are those that this machine draws of the scene that the page saves: bit for bit, or within the bound of both.
+/// Checks that the pixels on the screen are those that this machine draws of the scene that the page saves, bit for bit, sharp or proven.
 fn assert_truth(browser: &mut Browser, folder: &Path) {
     let text = text(browser, "save/scene.toml");
     let file = vr_io::parse_scene(&text, Path::new("saved")).unwrap();
@@ -110,22 +110,7 @@ fn assert_truth(browser: &mut Browser, folder: &Path) {
     let shown = STANDARD.decode(shown[2].as_str().unwrap()).unwrap();
     let drawn = vr_io::screen_rgba(&frame, loaded.scene.background);
     let differing = shown.iter().zip(&drawn).filter(|(a, b)| a != b).count();
-    match loaded.max_error {
-        None => assert_eq!(differing, 0, "of {} bytes", drawn.len()),
-        // Both are within the bound; what they add up to differs by the machine in a few pixels.
-        Some(bound) => {
-            let linear = |byte: u8| {
-                let x = f64::from(byte) / 255.0;
-                if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
-            };
-            let distance = |(a, b): (&u8, &u8)| (linear(*a) - linear(*b)).abs();
-            let max = shown.iter().zip(&drawn).map(distance).fold(0.0, f64::max);
-            println!("{differing} of {} bytes differ, by {max:.1e} of linear light at most", drawn.len());
-            // Half a step of 8 bits each, where steps are widest.
-            assert!(max <= 2.0 * bound + linear(255) - linear(254), "{max}");
-            assert!(differing < drawn.len() / 50, "{differing} of {} bytes", drawn.len());
-        }
-    }
+    assert_eq!(differing, 0, "of {} bytes, max-error {:?}", drawn.len(), loaded.max_error);
     assert!(shown.chunks(4).any(|p| p != &shown[..4]), "something is seen");
 }
 
