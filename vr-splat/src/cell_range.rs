@@ -1,33 +1,34 @@
-//! Range of a field Σ w f / Σ w within a cell, tighter than that of all voxels whose kernels reach it.
+//! Bounds of a field Σ w f / Σ w within a cell, tighter than the range of all voxels whose kernels reach the cell.
 //!
-//! In each eighth of a cell the field is the value in the middle, a part for its slopes, and a remainder. The weights pₖ = wₖ / Σ w sum to 1 everywhere, so
-//! what value and slopes leave of them sums to 0, and that part of the field is at most half the sum of its sizes, by the range of the voxels.
+//! In each eighth of a cell, the normalized weights pₖ = wₖ / Σ w are expanded about its middle: value, slopes and remainder. The weights sum to 1 everywhere, so
+//! the remainders rₖ sum to 0, and Σ rₖ fₖ is at most ½ Σ |rₖ| times the range of the voxels.
 
 use crate::kernel::SplatKernel;
 
-/// Largest number of voxels in reach of a cell for which their range is tightened: more take longer to sum than they save.
+/// Largest number of voxels in reach of a cell for which bounds are computed: more take longer to sum than the bounds save.
 const MAX_VOXELS: usize = 216;
-/// Places along the edge of an eighth at which the remainder is looked at, its corners among them.
+/// Number of positions along each edge of an eighth, from corner to corner, at which remainders are evaluated.
 const PLACES: i32 = 7;
-/// Factor for what lies between these places: the remainder is about a quadratic form, and largest in corners.
+/// Factor for remainders between these positions. Not proven, but tested: remainders are nearly quadratic, and largest at corners.
 const MARGIN: f64 = 1.1;
-/// Part of the voxels' range for the rounding of sums.
+/// Error of sums by rounding, relative to the range of the voxels.
 const ROUNDING: f32 = 1e-5;
 
-/// Weights of the voxels whose kernels reach a cell.
+/// Weights of the voxels whose kernels reach a cell: the same for every cell of a lattice.
 pub(crate) struct CellRange {
-    /// Voxels along each axis.
+    /// Number of voxels in reach along each axis.
     sides: [usize; 3],
-    /// Number of these before the cell's first.
+    /// Number of voxels in reach before the cell's first corner, along each axis.
     before: [usize; 3],
-    /// Of each eighth, by voxel, x fastest: the weight in its middle, and by how much it grows from there to the face along x, y and z.
+    /// For each eighth, one entry per voxel, x fastest: the voxel's weight at the middle of the eighth, and the weight's increase from there to the face of
+    /// the eighth along x, y and z.
     eighths: [Vec<[f32; 4]>; 8],
-    /// Part of the voxels' range that these leave of the field.
+    /// Bound of the remainder, ½ Σ |rₖ|.
     remainder: f32,
 }
 
 impl CellRange {
-    /// `None` for kernels that reach too many voxels, or leave a place in a cell to none.
+    /// `None` for kernels that reach too many voxels, or leave a position of the cell without any.
     pub(crate) fn new(kernel: &SplatKernel) -> Option<Self> {
         let before = kernel.reach().map(|reach| (reach - 1.0).ceil().max(0.0) as usize);
         let sides = before.map(|n| 2 * n + 2);
@@ -52,7 +53,7 @@ impl CellRange {
             }
             let row = |k: usize| [value[k], rises[0][k], rises[1][k], rises[2][k]].map(|x| x as f32);
             *eighth = (0..value.len()).map(row).collect();
-            // Kernels are even: what is left of one eighth is left of all.
+            // Kernels are even, so all eighths have the same remainder.
             if i > 0 {
                 continue;
             }
@@ -68,15 +69,15 @@ impl CellRange {
         Some(Self { sides, before, eighths, remainder: (remainder * MARGIN) as f32 })
     }
 
-    /// The first voxel in reach of a cell of a lattice, and how many there are along each axis; `None` where the lattice ends before them.
+    /// Index of the first voxel in reach of a cell, and the number of voxels along each axis; `None` if some of them lie outside the lattice.
     pub(crate) fn voxels(&self, cell: [usize; 3], dims: [usize; 3]) -> Option<[[usize; 3]; 2]> {
         let inside = |a: usize| cell[a] >= self.before[a] && cell[a] - self.before[a] + self.sides[a] <= dims[a];
         (0..3).all(inside).then(|| [std::array::from_fn(|a| cell[a] - self.before[a]), self.sides])
     }
 
-    /// Bounds of the field in the eighths of a cell, of the voxels in reach of it and the size of their range.
+    /// Bounds of the field in each eighth of a cell, given the voxels in reach and the size of their range.
     pub(crate) fn bounds<'a>(&'a self, voxels: &'a [f32], range: f32) -> impl Iterator<Item = [f32; 2]> + 'a {
-        // Differences from one of them, which round less.
+        // Differences from one voxel: they round less than values far from 0.
         let base = voxels.first().copied().unwrap_or(0.0);
         self.eighths.iter().map(move |eighth| {
             let mut sums = [0.0f32; 4];
@@ -108,7 +109,7 @@ struct Weights<'a> {
 }
 
 impl Weights<'_> {
-    /// Parts of the voxels in the field at a place, counted from the cell's first corner; `None` where there is no field.
+    /// Normalized weights at a position relative to the cell's first corner; `None` where they sum to 0.
     fn at(&self, place: [f64; 3]) -> Option<Vec<f64>> {
         let [nx, ny, nz] = self.sides;
         let offset = |a: usize, i: usize| place[a] + self.before[a] as f64 - i as f64;

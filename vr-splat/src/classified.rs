@@ -143,7 +143,7 @@ impl LatticeVisitor for FindVisible<'_> {
             _ => reach.into_iter().fold(0.0, f64::max),
         };
         let overshoot = overshoot(self.renderer) as f32;
-        // A field of radial kernels is smoother than their reach tells; widened ones have another one.
+        // Fields of radial kernels vary less than the range of all voxels in reach; kernels that a low-pass widens have other weights.
         let is_fine = beyond == 0.0 && !self.renderer.kernel.shape.is_separable() && self.renderer.low_pass == 0.0;
         let fine = if is_fine { CellRange::new(&self.renderer.kernel) } else { None };
         VisibleVoxels::reconstructed(&lattice, self.vacuum, self.seen, reach, beyond, (overshoot, fine.as_ref()))

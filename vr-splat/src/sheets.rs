@@ -25,8 +25,8 @@ pub(crate) fn is_boxed(renderer: &Splatter, scene: &Scene, input: &SplatInput) -
     matches!(input, SplatInput::Grid(_)) && (in_image_sheets || !scene.compositing.integrates_light())
 }
 
-/// True if kernels are taken in the middle of sheets: where values of a grid are classified, or picked, in sheets parallel to the image. There weights are
-/// divided out, and a sheet's value is the field's in its middle. Light, and points, are integrated over each sheet.
+/// True if kernels are evaluated in the middle of sheets: for values of a grid in sheets parallel to the image. Weights are divided out there, so that a
+/// sheet's value is that of the field in its middle. Light, and values of points, are integrated over each sheet.
 pub(crate) fn takes_middles(renderer: &Splatter, input: &SplatInput) -> bool {
     matches!(input, SplatInput::Grid(_)) && renderer.buffers == Buffers::Image && !renderer.splats_light()
 }

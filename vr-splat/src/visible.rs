@@ -57,7 +57,7 @@ impl VisibleVoxels {
     }
 
     /// Voxels on which the field depends wherever it can be seen. Kernels reach `reach` voxels, what is asked of the field within a cell may depend
-    /// on `beyond` of it on either side, and the field may overshoot its samples by `overshoot` of their range; `fine` bounds it where that shows too much.
+    /// on `beyond` of it on either side, and the field may overshoot its samples by `overshoot` of their range; `fine`, if there is one, bounds it more tightly.
     pub(crate) fn reconstructed<T: vr_core::Voxel>(
         lattice: &Lattice<'_, T>,
         vacuum: Vacuum<'_>,
@@ -127,7 +127,7 @@ impl CellBits {
         (overshoot, fine): (f32, Option<&CellRange>),
     ) -> Self {
         let [nx, ny, nz] = lattice.dims;
-        // True if the field may show in a cell whose voxels' range does.
+        // True if the field may be visible in a cell of which the range of the voxels is.
         let shows_finely = |cell: [usize; 3], [min, max]: [f32; 2], around: &mut Vec<f32>| {
             let Some((fine, [first, sides])) = fine.and_then(|fine| Some((fine, fine.voxels(cell, lattice.dims)?)))
             else {
@@ -143,7 +143,7 @@ impl CellBits {
                     around.extend(row.iter().map(|sample| sample.to_f32()));
                 }
             }
-            // What is not a number bounds nothing.
+            // NaN is no bound.
             let shows = |[from, to]: [f32; 2]| from.is_nan() || levels.any(f64::from(from), f64::from(to));
             fine.bounds(around, max - min).any(shows)
         };

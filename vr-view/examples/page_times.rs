@@ -32,7 +32,7 @@ const STAGES: &str = "new Promise((done) => { const start = performance.now(), a
 const SAMPLING: &str = "window.vrSeen = []; window.vrSampling = setInterval(() => { const { stage, size, error, milliseconds } = window.vr.status.head; \
     if (stage === 'draft') window.vrSeen.push([size[0], error.rmse ?? null, milliseconds]); }, 20)";
 
-/// A program that ends with this.
+/// A process that is killed when this is dropped.
 struct Program(Child);
 
 impl Drop for Program {
@@ -49,13 +49,13 @@ fn sorted(values: &Value) -> Vec<f64> {
     values
 }
 
-/// The number below which a share of ascending ones lie.
+/// Quantile of ascending numbers; NaN if there are none.
 fn quantile(values: &[f64], share: f64) -> f64 {
     let last = values.len().saturating_sub(1);
     values.get((share * last as f64).round() as usize).copied().unwrap_or(f64::NAN)
 }
 
-/// Width and height of the picture's place in the page.
+/// Left, top, width and height of the picture in the page.
 fn place(browser: &mut Browser) -> [f64; 4] {
     let found = browser.value(
         "(() => { const b = document.getElementById('picture').getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()",
@@ -63,7 +63,7 @@ fn place(browser: &mut Browser) -> [f64; 4] {
     std::array::from_fn(|i| found[i].as_f64().unwrap_or(f64::NAN))
 }
 
-/// Tells of what was shown since it was last forgotten: pictures a second, and the milliseconds from an edit to its picture.
+/// Prints pictures a second, and milliseconds from an edit to its picture, since the last call of [`forget`].
 fn shown(browser: &mut Browser, what: &str) {
     let rate = browser.value("window.vr.status.rate()");
     let waits = sorted(&browser.value("window.vr.status.latencies"));
@@ -76,6 +76,7 @@ fn shown(browser: &mut Browser, what: &str) {
     );
 }
 
+/// Discards the page's times of pictures shown so far.
 fn forget(browser: &mut Browser) {
     browser.value("(() => { window.vr.status.latencies.length = 0; window.vr.status.shown.length = 0; })()");
 }

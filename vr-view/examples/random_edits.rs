@@ -1,4 +1,4 @@
-//! Random edits for minutes: memory does not grow, the last edit of some is always shown, and pictures at rest remain those of the saved scene.
+//! Random edits for minutes: memory does not grow, the last edit of each batch is shown, and pictures at rest remain those of the saved scene.
 //! `cargo run --release -p vr-view --example random_edits -- MINUTES [SEED]` prints a line each minute, and fails where one of these does not hold.
 //!
 //! Memory is that of the process on Linux (`VmRSS`); elsewhere it is not looked at.

@@ -318,8 +318,8 @@ impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
                 self.shares(x, &mut shares);
             }
             let shares = (!whole).then_some(&shares);
-            // Each kind of chunk is called in one place only, so that it is inlined; but by the compiler's choice, after it has simplified it:
-            // simplifying all of it at once takes half as long again to compile.
+            // One call for each kind of chunk, so that the compiler inlines it. Not by force: functions that are forced inline are simplified only as a
+            // whole, which takes half as long again to compile.
             let (kernel, row) = (self.kernel, &mut self.row);
             let Added { samples, mut closed } = if unit {
                 simd.vectorize(

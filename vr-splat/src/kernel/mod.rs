@@ -3,7 +3,7 @@
 mod partition;
 mod profile;
 
-pub(crate) use profile::{Profile, Radial, RadialWeight, quadrature};
+pub(crate) use profile::{Gaussian, Profile, Radial, RadialWeight, quadrature};
 
 use vr_core::Filter;
 

@@ -84,13 +84,19 @@ enum Form {
     Point(PointKernel),
 }
 
-/// A radially symmetric kernel of a grid as a formula of the distance t from its middle, but for a factor, and 0 beyond 1.
+/// Formula of a radially symmetric kernel of a grid: its weight, up to a factor, at a distance t from its centre; 0 for t > 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum RadialWeight {
-    /// e^(−rate t²) − edge, where that is not below 0.
-    Gaussian { rate: f32, edge: f32 },
+    Gaussian(Gaussian),
     /// 1 − t.
     Cone,
+}
+
+/// max(0, e^(−rate t²) − edge).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Gaussian {
+    pub(crate) rate: f32,
+    pub(crate) edge: f32,
 }
 
 /// 1 − |t|.
@@ -174,11 +180,12 @@ impl Radial {
             }
     }
 
-    /// Its formula, of a grid's kernel; `None` for those of scattered points.
+    /// Formula of a kernel of a grid; `None` for kernels of scattered points.
     pub(crate) fn weight(&self) -> Option<RadialWeight> {
         match self.form {
             Form::Gaussian { deviations, edge } => {
-                Some(RadialWeight::Gaussian { rate: (0.5 * deviations * deviations) as f32, edge: edge as f32 })
+                let rate = (0.5 * deviations * deviations) as f32;
+                Some(RadialWeight::Gaussian(Gaussian { rate, edge: edge as f32 }))
             }
             Form::Cone => Some(RadialWeight::Cone),
             Form::Point(_) => None,

@@ -161,7 +161,7 @@ pub(crate) fn gather(
             let beyond = DVec3::splat(ghosts.map_or(0.0, |_| BEYOND as f64));
             let size = view.kernel.axes.determinant().abs().cbrt();
             let widened = |depth: f64| 1f64.hypot(renderer.low_pass * view.pixel_at(depth) * size);
-            // Kernels are widest where pixels are: at the corner that is deepest.
+            // Kernels are widest where pixels are: at the deepest corner of the grid.
             let last = grid.dims().map(|n| (n - 1) as f64);
             let deepest = origin.z + (0..3).map(|a| (steps[a].z * last[a]).max(0.0)).sum::<f64>();
             let reach = renderer.kernel.reach().map(|reach| reach * widened(deepest));

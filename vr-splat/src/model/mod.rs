@@ -282,7 +282,7 @@ impl SplatModel {
             }
             let radial = matches!(profile, Profile::Radial(_));
             let middle = 0.5 * (from + to);
-            // Products are taken in the middle of a sheet, and every kernel where weights are divided out.
+            // Products are evaluated in the middle of a sheet, and so is every kernel where weights are divided out.
             let section = |s: &ExactSplat| {
                 if radial && !takes_middles(&self.renderer, input) {
                     s.section(profile, line, from, to)

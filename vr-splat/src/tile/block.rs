@@ -28,7 +28,7 @@ pub(crate) struct Block {
     /// Depths behind the view's base between which there may be something; the wrong way round where there is nothing.
     pub(crate) near: Lanes,
     pub(crate) far: Lanes,
-    /// Depths between which nothing cuts any ray along which there may be something.
+    /// Interval of depths in which no ray is cut, of those that are not empty.
     pub(crate) uncut: [f32; 2],
     /// Index-space position in a grid at depth 0, and its change per unit of depth.
     pub(crate) index: [[Lanes; 3]; 2],

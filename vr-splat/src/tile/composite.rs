@@ -14,8 +14,8 @@ use super::painter::{Classifier, Content, VisibleCells};
 use super::{Tile, sloped_mean};
 
 impl Tile<'_> {
-    /// Classifies what a sheet between two depths holds in a block, from the channel `at` on, and takes it in; `sheet` is its number where it is parallel to the
-    /// image.
+    /// Classifies the content of a block in a sheet between two depths, whose channels begin at `at`, and composites it. `sheet` is the sheet's number if it is
+    /// parallel to the image.
     #[inline(always)]
     pub(super) fn composite<S: Simd>(
         &mut self,
@@ -193,7 +193,7 @@ impl Tile<'_> {
         }
     }
 
-    /// Rays that are in a cell in which something can be seen at a depth, a bit each.
+    /// Rays that are in a visible cell at a depth, a bit each.
     #[inline(always)]
     pub(super) fn in_visible_cells<S: Simd>(
         &self,

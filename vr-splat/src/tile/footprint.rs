@@ -86,7 +86,7 @@ impl Axes {
     pub(crate) fn new(view: &SplatView) -> Self {
         let [x, y, z] = [view.kernel.axes.x_axis, view.kernel.axes.y_axis, view.kernel.axes.z_axis];
         let square = z.length_squared();
-        // A turn rounds to a few units in the last place.
+        // A rotation is rounded by a few units in the last place.
         let skew = [x.dot(y), y.dot(z), z.dot(x), x.length_squared() - square, y.length_squared() - square];
         let is_round = !view.perspective && skew.iter().all(|part| part.abs() < 1e-12 * square);
         Self {
@@ -104,7 +104,7 @@ impl Axes {
         self.square
     }
 
-    /// The square of kernel space per unit of the view, where rays are parallel and that is the same in all directions.
+    /// Squared length in kernel space of a unit of the view, if rays are parallel and it is the same in all directions.
     #[inline(always)]
     pub(crate) fn round(&self) -> Option<f32> {
         self.round
@@ -135,16 +135,16 @@ pub(crate) struct Passing<S: Simd> {
     pub(crate) speed: f32x16<S>,
 }
 
-/// Places of rays that are nearest to a splat in kernel space.
+/// Points of rays that are nearest to a splat in kernel space, where the support of a radial kernel is the unit ball.
 pub(crate) struct Nearest<S: Simd> {
-    /// Squares of their distances from it: rays that pass at 1 or farther miss a kernel that is a ball.
+    /// Squared distance from the splat; 1 or more for rays outside the support.
     pub(crate) square: f32x16<S>,
-    /// Their depths.
+    /// Depth.
     pub(crate) depth: f32x16<S>,
 }
 
 impl<S: Simd> Nearest<S> {
-    /// `None` if no ray meets the kernel, which is a ball.
+    /// `None` if no ray passes through the support.
     #[inline(always)]
     pub(crate) fn new(simd: S, axes: &Axes, block: &Block, at: &Splat) -> Option<Self> {
         let [u, v] = beside(simd, axes, block, at);

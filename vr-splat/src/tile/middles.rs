@@ -1,44 +1,38 @@
-//! Values spread by radial kernels, in the middle of sheets parallel to the image, by a formula in place of tables of sections.
+//! Radial kernels of grids evaluated in the middle of sheets parallel to the image, by formula instead of by tables of sections.
 //!
-//! The square of the distance from a voxel is quadratic in a sheet's number: from sheet to sheet a Gaussian changes by a factor, and that by another one,
-//! which stays. So it costs two multiplications a sheet, where nothing cuts the rays; and one where they are parallel and the kernel is a ball in the world,
-//! for then it is a product of a factor for each ray and one for each sheet.
+//! Along a ray, the squared distance from a voxel is quadratic in the sheet's number. A Gaussian therefore follows from that of the sheet before by a ratio, and the
+//! ratio by a constant factor: two multiplications a sheet, where nothing cuts the rays. Where rays are parallel and the kernel is a ball in world space, the
+//! Gaussian is a factor for each ray times a factor for each sheet: one multiplication.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 use vr_kernels::vector::{LANES, Lanes, exp, pick, splat};
 
-use crate::kernel::RadialWeight;
+use crate::kernel::{Gaussian, RadialWeight};
 use crate::splat::Splat;
 
+use super::Tile;
 use super::footprint::Nearest;
 use super::sighted::SightedBlocks;
-use super::{ACROSS, Tile};
 
-/// Channels of a sheet of values: Σ w f and Σ w.
+/// Number of channels of a sheet of values: Σ w f and Σ w.
 const CHANNELS: usize = 2;
 
-/// Largest exponent with which a Gaussian is followed from sheet to sheet: what rounding leaves of it is a part of 40·2⁻²⁴, and grows with each sheet.
+/// Largest exponent for which a Gaussian is computed from that of the sheet before: rounding of the exponent is a relative error of 40·2⁻²⁴, which grows with
+/// each sheet.
 const MAX_EXPONENT: f32 = 40.0;
 
-/// Sheets that a splat may be in.
+/// Sheets that a splat reaches.
 #[derive(Clone, Copy)]
 struct Reached {
-    /// First and last of those that its ball reaches into.
+    /// First and last sheet that the kernel's support overlaps.
     all: [u32; 2],
-    /// First, and end, of those whose middle lies in its ball as long as nothing cuts them.
+    /// First sheet whose middle lies in the support where nothing cuts it, and the one behind the last.
     uncut: [u32; 2],
 }
 
-/// A Gaussian e^(−rate t²) − edge.
-#[derive(Clone, Copy)]
-struct Gaussian {
-    rate: f32,
-    edge: f32,
-}
-
 impl Tile<'_> {
-    /// Adds the weights of a splat in the middle of each of some sheets, and its value times these, to those of some blocks that are not dark.
+    /// Adds a splat's weight in the middle of each sheet, and its value times that weight, to those blocks of `takers` that are not dark.
     #[inline(always)]
     pub(super) fn add_middles<S: Simd>(
         &mut self,
@@ -56,23 +50,21 @@ impl Tile<'_> {
         let factors = self.sheet_factors(simd, weight, at, reached.uncut);
         let mut touched = 0u64;
         while takers != 0 {
-            let taker = takers.trailing_zeros();
+            let number = takers.trailing_zeros() as usize;
             takers &= takers - 1;
-            let place = [taker % ACROSS, taker / ACROSS];
-            let Some(number) = self.take_in_sight(simd, place, blocks, [first, last]) else { continue };
-            if let (RadialWeight::Gaussian { rate, edge }, Some(factors)) = (weight, &factors)
+            if !self.takes_in_sight(simd, number, blocks, [first, last]) {
+                continue;
+            }
+            if let (RadialWeight::Gaussian(gaussian), Some(factors)) = (weight, &factors)
                 && self.is_uncut(number, reached.all)
             {
-                let gaussian = Gaussian { rate, edge };
                 touched |= self.add_round(simd, gaussian, number, at, factors, reached.uncut);
                 continue;
             }
             let Some(nearest) = Nearest::new(simd, &self.axes, &self.blocks[number], at) else { continue };
             touched |= 1 << number;
             match weight {
-                RadialWeight::Gaussian { rate, edge } => {
-                    self.add_gaussian(simd, Gaussian { rate, edge }, number, at, &nearest, reached);
-                }
+                RadialWeight::Gaussian(gaussian) => self.add_gaussian(simd, gaussian, number, at, &nearest, reached),
                 RadialWeight::Cone => self.add_cone(simd, number, at, &nearest, reached),
             }
         }
@@ -81,7 +73,7 @@ impl Tile<'_> {
         }
     }
 
-    /// Factors of a Gaussian splat for the middles of sheets, where they are the same for all rays and not too many.
+    /// Factors of a Gaussian in the middle of sheets, if they are the same for all rays and fit into one vector.
     #[inline(always)]
     fn sheet_factors<S: Simd>(
         &self,
@@ -90,7 +82,9 @@ impl Tile<'_> {
         at: &Splat,
         [first, end]: [u32; 2],
     ) -> Option<[f32; LANES]> {
-        let (RadialWeight::Gaussian { rate, .. }, Some(square)) = (weight, self.axes.round()) else { return None };
+        let (RadialWeight::Gaussian(Gaussian { rate, .. }), Some(square)) = (weight, self.axes.round()) else {
+            return None;
+        };
         if end > first + LANES as u32 {
             return None;
         }
@@ -101,8 +95,7 @@ impl Tile<'_> {
         Some((exp(simd, ahead * ahead * -along) * at.weight).to_array())
     }
 
-    /// Adds a Gaussian that is a product of what the distance of a ray makes of it and what the depth of a sheet does; returns the block's bit if any ray
-    /// meets it.
+    /// Adds a Gaussian as a factor of each ray's distance times a factor of each sheet's depth. Returns the block's bit if any ray passes through the support.
     #[inline(always)]
     fn add_round<S: Simd>(
         &mut self,
@@ -129,6 +122,7 @@ impl Tile<'_> {
         1 << number
     }
 
+    /// Adds a Gaussian, from sheet to sheet by a ratio where nothing cuts the rays and exponents are small.
     #[inline(always)]
     fn add_gaussian<S: Simd>(
         &mut self,
@@ -140,7 +134,7 @@ impl Tile<'_> {
         reached: Reached,
     ) {
         let zero = splat(simd, 0.0);
-        // The exponent: a part for the distance of the ray, and one for the square of the depth from its nearest place.
+        // The exponent is `across`, by the distance of the ray, plus `along` times the squared depth from the ray's nearest point.
         let speed = self.blocks[number].speed.load(simd) * at.scale;
         let (across, along) = (nearest.square * rate, speed * speed * rate);
         let lowered = edge * at.weight;
@@ -153,7 +147,7 @@ impl Tile<'_> {
             let inside = nearest.square.simd_lt(splat(simd, 1.0));
             let largest = exponent.max(turn.abs());
             if !(inside & largest.simd_gt(splat(simd, MAX_EXPONENT))).any_true() {
-                // Rays that miss the ball have no part, whatever the ratio.
+                // Rays outside the support start at 0, so that no ratio changes them.
                 let mut weight = pick(inside, exp(simd, -exponent) * at.weight, zero);
                 let mut ratio = exp(simd, -turn);
                 let fall = exp(simd, along * (-2.0 * distance * distance));
@@ -172,13 +166,14 @@ impl Tile<'_> {
         }
     }
 
+    /// Adds a cone.
     #[inline(always)]
     fn add_cone<S: Simd>(&mut self, simd: S, number: usize, at: &Splat, nearest: &Nearest<S>, reached: Reached) {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
         let speed = self.blocks[number].speed.load(simd) * at.scale;
         for sheet in reached.all[0]..=reached.all[1] {
             let ahead = (self.middle(simd, number, sheet) - nearest.depth) * speed;
-            // The ray's own part may be rounded to less than nothing.
+            // The squared distance of a ray may be rounded to a negative number.
             let distance = (nearest.square + ahead * ahead).max(zero).sqrt();
             let weight = (one - distance).max(zero) * at.weight;
             self.add_weight(simd, [sheet as usize, number], weight, at.value);
@@ -193,7 +188,7 @@ impl Tile<'_> {
         from <= first as f32 * distance && (last + 1) as f32 * distance <= to
     }
 
-    /// Depths in the middle of what rays have of a sheet.
+    /// Depths of the middle of a sheet, of the part of it that each ray passes through.
     #[inline(always)]
     fn middle<S: Simd>(&self, simd: S, number: usize, sheet: u32) -> f32x16<S> {
         let [start, end] = self.faces(simd, number, sheet);

@@ -112,7 +112,7 @@ struct Tile<'a> {
     touched: Vec<u64>,
     /// Blocks on whose rays supports cover all of a sheet, slot by slot, where what is covered matters.
     filled: Vec<u64>,
-    /// Rays that are in cells in which something can be seen, where that has been looked up.
+    /// Rays in visible cells, where that has been looked up.
     sighted: Sighted,
     work: Work,
 }
@@ -161,22 +161,24 @@ impl Tile<'_> {
         Some(Covered { x: columns.map(|i| i / EDGE), y: rows.map(|i| i / EDGE), columns, rows })
     }
 
-    /// The number of a block that takes more, which a splat is added to; its rays are ready then.
+    /// Number of the block at (x, y), for a splat to be added to it; `None` if it takes no more. Its rays are set up then.
     #[inline(always)]
     fn take(&mut self, x: u32, y: u32) -> Option<usize> {
-        let number = self.ready(x, y)?;
-        self.work.met += 1;
-        Some(number)
+        let number = (y * ACROSS + x) as usize;
+        self.takes_more(number).then(|| {
+            self.work.met += 1;
+            number
+        })
     }
 
-    /// The number of a block that takes more; its rays are ready then.
+    /// True if a block takes more. Its rays are set up then.
     #[inline(always)]
-    fn ready(&mut self, x: u32, y: u32) -> Option<usize> {
-        let number = (y * ACROSS + x) as usize;
+    fn takes_more(&mut self, number: usize) -> bool {
         if self.done >> number & 1 == 1 {
-            return None;
+            return false;
         }
         if self.ready >> number & 1 == 0 {
+            let [x, y] = [number as u32 % ACROSS, number as u32 / ACROSS];
             let block = &mut self.blocks[number];
             block.set_up(self.painter.view, &self.painter.bounds, self.column + x * EDGE, self.row + y * EDGE);
             self.ready |= 1 << number;
@@ -188,9 +190,9 @@ impl Tile<'_> {
             self.work.rays += u64::from(rays);
             if rays == 0 {
                 self.done |= 1 << number;
-                return None;
+                return false;
             }
         }
-        Some(number)
+        true
     }
 }

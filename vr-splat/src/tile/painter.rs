@@ -25,7 +25,7 @@ pub(crate) struct Painter<'a> {
     pub(crate) view: &'a SplatView,
     pub(crate) bounds: Bounds<'a>,
     pub(crate) kernel: &'a FootprintKernel,
-    /// Formula of a radial kernel whose values are taken in the middle of sheets parallel to the image.
+    /// Formula of the kernel, if it is radial and evaluated in the middle of sheets parallel to the image.
     pub(crate) in_middle: Option<RadialWeight>,
     pub(crate) operator: Operator,
     pub(crate) buffers: Buffers,

@@ -60,7 +60,7 @@ impl Tile<'_> {
                 continue;
             }
             let blocks = self.sighted.blocks(*key..=last);
-            let takers = covered.blocks() & !self.done & !blocks.dark;
+            let mut takers = covered.blocks() & !self.done & !blocks.dark;
             if takers == 0 {
                 continue;
             }
@@ -68,11 +68,11 @@ impl Tile<'_> {
                 self.add_middles(simd, weight, splat, (takers, blocks), [*key, last]);
                 continue;
             }
-            for y in covered.y[0]..=covered.y[1] {
-                for x in covered.x[0]..=covered.x[1] {
-                    if let Some(number) = self.take_in_sight(simd, [x, y], blocks, [*key, last]) {
-                        self.add_sections(simd, number, splat, *key, last);
-                    }
+            while takers != 0 {
+                let number = takers.trailing_zeros() as usize;
+                takers &= takers - 1;
+                if self.takes_in_sight(simd, number, blocks, [*key, last]) {
+                    self.add_sections(simd, number, splat, *key, last);
                 }
             }
         }
@@ -139,7 +139,7 @@ impl Tile<'_> {
         }
     }
 
-    /// Depths at which a sheet parallel to the image begins and ends on the rays of a block, as far as they go.
+    /// Depths between which the rays of a block pass through a sheet parallel to the image, clamped to the rays' ends.
     #[inline(always)]
     pub(super) fn faces<S: Simd>(&self, simd: S, number: usize, sheet: u32) -> [f32x16<S>; 2] {
         let block = &self.blocks[number];

@@ -1,4 +1,4 @@
-//! Rays of blocks that are in cells in which something can be seen, sheet by sheet: what a splat adds to sheets where none is need not be found.
+//! Rays that pass through visible cells, block by block and sheet by sheet. A block takes no splat that lies in none but its dark sheets: those in which no ray does.
 
 use std::ops::RangeInclusive;
 
@@ -8,26 +8,26 @@ use fearless_simd::prelude::*;
 use super::painter::{Content, Painter, VisibleCells};
 use super::{BLOCKS, Tile};
 
-/// The rays of each block in each sheet of a ring, once they have been looked up.
+/// Rays of each block in visible cells, for each sheet of a ring; looked up when they are first asked for.
 pub(super) struct Sighted {
-    /// Slot by slot; none where there are no cells to look at.
+    /// One a sheet; empty where visible cells are not known or do not matter.
     slots: Vec<Slot>,
 }
 
-/// A sheet.
+/// Blocks of one sheet.
 #[derive(Clone)]
 struct Slot {
     blocks: SightedBlocks,
-    /// Rays that are in cells in which something can be seen, a bit each, by block.
+    /// Rays in visible cells, a bit each, by block; valid for known blocks.
     rays: [u16; BLOCKS],
 }
 
-/// Blocks of one or more sheets, a bit each.
+/// State of blocks in one or more sheets, a bit each.
 #[derive(Clone, Copy)]
 pub(super) struct SightedBlocks {
-    /// Looked up.
+    /// Blocks that have been looked up.
     known: u64,
-    /// Looked up, and no ray is in such a cell.
+    /// Blocks that have been looked up and have no ray in a visible cell.
     pub(super) dark: u64,
 }
 
@@ -38,7 +38,7 @@ impl Sighted {
         Self { slots: vec![Self::NONE; if sighted_cells(painter).is_some() { slots } else { 0 }] }
     }
 
-    /// Blocks that are known, and those that are dark, in all of some sheets.
+    /// Blocks that are known in all of the sheets, and blocks that are dark in all of them.
     #[inline(always)]
     pub(super) fn blocks(&self, sheets: RangeInclusive<u32>) -> SightedBlocks {
         let mut all = SightedBlocks { known: u64::MAX, dark: 0 };
@@ -54,7 +54,7 @@ impl Sighted {
         all
     }
 
-    /// The rays of a block in a sheet, if they have been looked up.
+    /// Rays of a block that are in visible cells in a sheet; `None` if that has not been looked up.
     #[inline(always)]
     pub(super) fn rays(&self, sheet: usize, number: usize) -> Option<u16> {
         let slot = self.slots.get(sheet & self.slots.len().wrapping_sub(1))?;
@@ -70,7 +70,7 @@ impl Sighted {
     }
 }
 
-/// Cells in which something can be seen, where sheets in others leave nothing: operators that pick values are told of vacuum, too.
+/// Visible cells, if nothing outside them counts. Operators that pick values count vacuum, too.
 fn sighted_cells<'a>(painter: &Painter<'a>) -> Option<VisibleCells<'a>> {
     match painter.content {
         Content::Values { cells, .. } if !painter.operator.picks() => cells,
@@ -79,29 +79,28 @@ fn sighted_cells<'a>(painter: &Painter<'a>) -> Option<VisibleCells<'a>> {
 }
 
 impl Tile<'_> {
-    /// The number of a block that takes more, which a splat is added to as it is not dark in all of the splat's sheets; its rays are ready then.
+    /// True if a block takes a splat: it takes more, and is not dark in all sheets of the splat. Its rays are set up then.
     #[inline(always)]
-    pub(super) fn take_in_sight<S: Simd>(
+    pub(super) fn takes_in_sight<S: Simd>(
         &mut self,
         simd: S,
-        [x, y]: [u32; 2],
+        number: usize,
         blocks: SightedBlocks,
         sheets: [u32; 2],
-    ) -> Option<usize> {
-        let number = self.ready(x, y)?;
+    ) -> bool {
+        if !self.takes_more(number) {
+            return false;
+        }
         let is_dark = if blocks.known >> number & 1 == 1 {
             blocks.dark >> number & 1 == 1
         } else {
             self.look_up(simd, number, sheets)
         };
-        if is_dark {
-            return None;
-        }
-        self.work.met += 1;
-        Some(number)
+        self.work.met += u64::from(!is_dark);
+        !is_dark
     }
 
-    /// Looks up the rays of a block in some sheets, and returns true if it is dark in all of them. A function of its own: it is called once for each sheet.
+    /// Looks up the rays of a block in the sheets, and returns true if it is dark in all of them. Not inlined: it runs once for each block and sheet.
     #[inline(never)]
     fn look_up<S: Simd>(&mut self, simd: S, number: usize, sheets: [u32; 2]) -> bool {
         simd.vectorize(

@@ -1,4 +1,4 @@
-//! Values of radial kernels in the middle of sheets: pictures are what the model sums, whatever cuts or tilts the rays, and nothing that shows is left out.
+//! Radial kernels evaluated in the middle of sheets: pictures equal the model, however rays are cut or tilted, and nothing visible is left out.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use vr_core::*;
 use vr_physics::check::pictures::*;
 use vr_splat::{Shape, SplatKernel, Splatter};
 
-/// Random voxels of a spacing; those below a threshold do not show.
+/// Random voxels; those below the threshold are transparent.
 fn scene(spacing: [f64; 3], threshold: f64) -> Scene {
     let mut seed = 7u64;
     let mut next = || {
@@ -29,7 +29,7 @@ fn kernels() -> [SplatKernel; 5] {
         gaussian,
         SplatKernel::new(Shape::Cone),
         SplatKernel { width: [1.0, 1.4, 0.8], radius: 2.2, ..gaussian },
-        // So steep that none is followed from sheet to sheet.
+        // Too steep for the recurrence from sheet to sheet.
         SplatKernel { sigma: 0.3, radius: 2.5, ..gaussian },
         SplatKernel { sigma: 1.5, radius: 4.0, ..gaussian },
     ]
@@ -46,7 +46,7 @@ fn pictures_are_what_the_model_sums() {
                 for (azimuth, elevation, fov) in [(0.0, 0.0, None), (33.0, 21.0, None), (-60.0, 50.0, Some(50.0))] {
                     let m = error_of_model(&renderer, &scene, &view(&scene, azimuth, elevation, fov, 9));
                     worst = worst.max(m.max);
-                    // Rounding: 8·10⁻⁷ were found.
+                    // Rounding; the largest error found is 8·10⁻⁷.
                     assert!(m.max < 3e-6, "{kernel:?} {spacing:?} {low_pass} {slice_spacing} {fov:?}: {m}");
                 }
             }
@@ -59,7 +59,7 @@ fn pictures_are_what_the_model_sums() {
 fn what_is_left_out_cannot_be_seen() {
     for (spacing, threshold) in [([1.0; 3], 0.55), ([0.7, 1.0, 1.9], 0.6)] {
         let scene = scene(spacing, threshold);
-        // The same with a light that cannot be seen where there was none: nothing is left out.
+        // The same scene with a faint opacity where there was none: every cell is visible, and the picture changes by less than the tolerance.
         let mut points = scene.transfer.points().to_vec();
         points.iter_mut().for_each(|p| p.opacity = p.opacity.max(1e-12));
         let transfer = TransferFunction::new(points, scene.transfer.rule(), scene.transfer.unit_distance()).unwrap();

@@ -141,7 +141,7 @@ impl Openings {
 
 impl UploadFolder for TempDir {
     fn empty() -> io::Result<Self> {
-        // The number of the process tells whose folder it is, if a crash has left it.
+        // With the process's number, which tells whose folder a crash left behind.
         tempfile::Builder::new().prefix(&format!("vr-view-{}-", std::process::id())).tempdir()
     }
 

@@ -129,7 +129,7 @@ impl Document {
         &self.values
     }
 
-    /// Looks of the labels as they stand; `None` where there are none.
+    /// The scene's `[labels]` section, with the colours of labels; `None` if it has none.
     pub fn labels(&self) -> Option<&LabelsSection> {
         self.file.labels.as_ref()
     }

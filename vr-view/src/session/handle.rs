@@ -248,8 +248,8 @@ impl Session {
             field_and_labels(&desk.document)
         };
         let made = control.cancellable(|| {
-            let labels = subject.read_labels()?.map(|read| read.looks(section.as_ref()));
-            Ok(Slice::of(&volume, labels.as_ref(), subject.is_patient(), query, control)?)
+            let labels = subject.read_labels()?.map(|read| read.under(section.as_ref()));
+            Ok(Slice::of(&volume, labels, subject.is_patient(), query, control)?)
         });
         self.shared.desk().sliced.retain(|sliced| !Arc::ptr_eq(sliced, &flag));
         made.unwrap_or_else(|stopped| Err(RenderError::from(stopped).into()))
@@ -261,7 +261,8 @@ impl Session {
     /// Labels that cannot be read.
     pub fn place(&self, at: DVec3) -> Result<Place, TruthError> {
         let (subject, volume, section) = field_and_labels(&self.shared.desk().document);
-        let label = subject.read_labels()?.and_then(|read| read.looks(section.as_ref()).at(at).cloned());
+        let looks = subject.read_labels()?.map(|read| read.under(section.as_ref()));
+        let label = looks.and_then(|looks| looks.look(looks.number_at(at)?));
         Ok(Place { at, value: value_at(&volume, at), label })
     }
 
@@ -315,7 +316,7 @@ impl Drop for Session {
     }
 }
 
-/// What slices and places show of a document as it stands: its volume, and the looks of its labels.
+/// Returns the current document's subject, volume and `[labels]` section, from which slices and values under the crosshair are made.
 fn field_and_labels(document: &Document) -> (Arc<Subject>, Volume, Option<LabelsSection>) {
     (Arc::clone(document.subject()), document.values().clone(), document.labels().cloned())
 }

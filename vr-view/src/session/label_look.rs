@@ -19,14 +19,18 @@ pub struct LabelFiles {
     pub names: Option<PathBuf>,
 }
 
-/// Labels as their files have them.
-pub struct ReadLabels(LoadedLabels);
-
-/// Labels, each with its look.
-pub struct LabelLooks<'a> {
-    map: &'a LabelMap,
-    /// Every label but the background.
+/// Labels of a file.
+pub struct ReadLabels {
+    map: LabelMap,
+    /// Look of every label but the background, in the file's own colours.
     looks: BTreeMap<i32, PlaceLabel>,
+}
+
+/// Labels of a file in the colours of a scene.
+#[derive(Clone, Copy)]
+pub struct LabelLooks<'a> {
+    read: &'a ReadLabels,
+    section: Option<&'a LabelsSection>,
 }
 
 impl ReadLabels {
@@ -35,31 +39,38 @@ impl ReadLabels {
     /// # Errors
     /// Errors of [`read_labels`].
     pub fn read(files: &LabelFiles) -> Result<Self, FileError> {
-        read_labels(&files.file, files.names.as_deref()).map(Self)
-    }
-
-    /// Returns the looks: colours are those of the picture where the section states them, then the file's own.
-    pub fn looks(&self, section: Option<&LabelsSection>) -> LabelLooks<'_> {
-        let LoadedLabels { map, entries, .. } = &self.0;
-        let chosen = |label: i32| {
-            let of_label = section?.label.iter().rev().filter(|choice| choice.label == LabelName::Number(label));
-            of_label.into_iter().find_map(|choice| choice.color)
-        };
+        let LoadedLabels { map, entries, .. } = read_labels(&files.file, files.names.as_deref())?;
         let all = map.labels().iter().copied().filter(|&label| label != 0).enumerate();
         let looks = all.map(|(rank, number)| {
             let entry = entries.iter().find(|entry| entry.label == number);
-            let own = entry.and_then(|entry| entry.color);
-            let color = chosen(number).or(own).unwrap_or_else(|| label_color(rank));
+            let color = entry.and_then(|entry| entry.color).unwrap_or_else(|| label_color(rank));
             (number, PlaceLabel { number, name: entry.and_then(|entry| entry.name.clone()), color })
         });
-        LabelLooks { map, looks: looks.collect() }
+        let looks = looks.collect();
+        Ok(Self { map, looks })
+    }
+
+    /// Returns the labels in the colours that a scene's section states, and in the file's own where it states none.
+    pub fn under<'a>(&'a self, section: Option<&'a LabelsSection>) -> LabelLooks<'a> {
+        LabelLooks { read: self, section }
     }
 }
 
 impl LabelLooks<'_> {
-    /// The label of a world position; `None` for the background.
-    pub fn at(&self, at: DVec3) -> Option<&PlaceLabel> {
-        self.looks.get(&self.map.label_at(at))
+    /// Number of the label at a world position; `None` for the background.
+    pub fn number_at(&self, at: DVec3) -> Option<i32> {
+        Some(self.read.map.label_at(at)).filter(|number| self.read.looks.contains_key(number))
+    }
+
+    /// Returns the look of a label; `None` for the background, and for numbers that no label has.
+    pub fn look(&self, number: i32) -> Option<PlaceLabel> {
+        let mut look = self.read.looks.get(&number)?.clone();
+        let choices = self.section.iter().flat_map(|section| section.label.iter().rev());
+        let mut of_label = choices.filter(|choice| choice.label == LabelName::Number(number));
+        if let Some(color) = of_label.find_map(|choice| choice.color) {
+            look.color = color;
+        }
+        Some(look)
     }
 }
 
@@ -82,8 +93,8 @@ mod tests {
                 ..Default::default()
             });
             let section = LabelsSection { label: label.collect(), ..LabelsSection::default() };
-            let looks = read.looks(Some(&section));
-            let found: Vec<_> = looks.looks.values().map(|look| look.color).collect();
+            let looks = read.under(Some(&section));
+            let found: Vec<_> = read.looks.keys().map(|&number| looks.look(number).unwrap().color).collect();
             assert_eq!(found.len(), 1);
             found[0]
         };

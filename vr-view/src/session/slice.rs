@@ -83,7 +83,7 @@ impl Slice {
     /// Samples a volume, row by row, until it is cancelled.
     pub(super) fn of(
         volume: &Volume,
-        labels: Option<&LabelLooks<'_>>,
+        labels: Option<LabelLooks<'_>>,
         patient: bool,
         &SliceQuery { axis, at, side }: &SliceQuery,
         control: &Control,
@@ -137,13 +137,13 @@ impl Slice {
             fill_values(volume, &places, row);
             if let Some(looks) = labels {
                 for &place in &places {
-                    let Some(label) = looks.at(place) else {
+                    let Some(number) = looks.number_at(place) else {
                         slice.label_indices.push(0);
                         continue;
                     };
-                    let known = slice.labels.iter().position(|known| known.number == label.number);
+                    let known = slice.labels.iter().position(|known| known.number == number);
                     let index = known.unwrap_or_else(|| {
-                        slice.labels.push(label.clone());
+                        slice.labels.extend(looks.look(number));
                         slice.labels.len() - 1
                     });
                     slice.label_indices.push(index as u16 + 1);
