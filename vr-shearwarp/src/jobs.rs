@@ -204,6 +204,7 @@ struct WarpRows<'a> {
 
 impl Vectorized for WarpRows<'_> {
     type Output = ();
+    const AVX2_ALONE: bool = cfg!(test);
 
     #[inline(always)]
     fn run<S: fearless_simd::Simd>(self, simd: S) {

@@ -68,6 +68,7 @@ struct Reflect<'a> {
 
 impl Vectorized for Reflect<'_> {
     type Output = ();
+    const AVX2_ALONE: bool = cfg!(test);
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {

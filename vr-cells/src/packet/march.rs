@@ -320,6 +320,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
 
 impl<const N: usize> Vectorized for March<'_, N> {
     type Output = ();
+    const AVX2_ALONE: bool = cfg!(test);
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {

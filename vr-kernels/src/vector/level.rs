@@ -6,6 +6,11 @@ use fearless_simd::{Level, Simd};
 pub trait Vectorized {
     /// Result of the work.
     type Output;
+    /// True if the work is compiled for AVX2 alone on x86-64, whatever the level is.
+    ///
+    /// Large kernels set it to `cfg!(test)`: the instances of a kernel, that for SSE2 above all, take most of the time of building the unit tests of its crate.
+    /// Tests from outside of the crate use the instances of the library, and compare the levels.
+    const AVX2_ALONE: bool = false;
     /// Does the work with the vectors of the level; called once. Must be `#[inline(always)]`, and so must all that it calls.
     fn run<S: Simd>(self, simd: S) -> Self::Output;
 }
@@ -14,28 +19,36 @@ pub trait Vectorized {
 ///
 /// On x86-64 there are three instances of each kernel, not the five that the library tells apart: AVX-512, AVX2 and SSE2, which every
 /// x86-64 has. What SSE4.2 adds is of no use here, and each instance costs seconds to compile.
+///
+/// # Panics
+/// Panics if the work is compiled for AVX2 alone, and the machine does not have it.
 #[inline(always)]
 pub fn run<W: Vectorized>(level: Level, work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
-    {
-        if let Level::Avx512(simd) = level {
-            return simd.vectorize(
-                #[inline(always)]
-                || work.run(simd),
-            );
-        }
-        if let Level::Avx2(simd) = level {
-            return simd.vectorize(
-                #[inline(always)]
-                || work.run(simd),
-            );
-        }
-        let simd = level.as_sse2().or(Level::baseline().as_sse2()).expect("every x86-64 has SSE2");
-        simd.vectorize(
-            #[inline(always)]
-            || work.run(simd),
-        )
+    match level {
+        _ if W::AVX2_ALONE => run_on(level.as_avx2().expect("unit tests of kernels need a processor with AVX2"), work),
+        Level::Avx512(simd) => run_on(simd, work),
+        Level::Avx2(simd) => run_on(simd, work),
+        _ => run_on(baseline(), work),
     }
     #[cfg(not(target_arch = "x86_64"))]
     fearless_simd::dispatch!(level, simd => work.run(simd))
+}
+
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn run_on<S: Simd, W: Vectorized>(simd: S, work: W) -> W::Output {
+    simd.vectorize(
+        #[inline(always)]
+        || work.run(simd),
+    )
+}
+
+/// Returns the vectors that every machine has: SSE2 on x86-64; elsewhere numbers one by one, which is slow.
+#[inline(always)]
+pub fn baseline() -> impl Simd {
+    #[cfg(target_arch = "x86_64")]
+    return Level::baseline().as_sse2().expect("every x86-64 has SSE2");
+    #[cfg(not(target_arch = "x86_64"))]
+    fearless_simd::Fallback::new()
 }

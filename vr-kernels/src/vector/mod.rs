@@ -29,7 +29,7 @@ pub use elementary::{
 };
 pub use field::{Cells, Field, Pairs, Stage, TwoRows, cells, inside};
 pub use lanes::Lanes;
-pub use level::{Vectorized, run};
+pub use level::{Vectorized, baseline, run};
 pub use modulation::{Modulation, RowMixture, StepOptics};
 pub use operator::Operator;
 pub use rows::{packed, rows_of, transpose, transpose_packed};

@@ -38,6 +38,7 @@ pub(super) struct Trace<'a, T> {
 
 impl<T: PacketField> Vectorized for Trace<'_, T> {
     type Output = ();
+    const AVX2_ALONE: bool = cfg!(test);
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {

@@ -13,6 +13,7 @@ mod gradient_patches;
 mod gradient_rows;
 mod homogeneity;
 mod idle_options;
+mod instructions;
 mod leaping;
 mod narrow_fields;
 mod picked_fields;

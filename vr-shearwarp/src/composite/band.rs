@@ -85,6 +85,7 @@ pub(crate) struct Work<'a, 'b, K, const N: usize> {
 
 impl<K: Kernel, const N: usize> Vectorized for Work<'_, '_, K, N> {
     type Output = ();
+    const AVX2_ALONE: bool = cfg!(test);
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {

@@ -45,6 +45,7 @@ struct TileJob<'a> {
 
 impl Vectorized for TileJob<'_> {
     type Output = Drawn;
+    const AVX2_ALONE: bool = cfg!(test);
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Drawn {

@@ -363,7 +363,6 @@ fn length<S: Simd>(v: [f32x16<S>; 3]) -> f32x16<S> {
 mod tests {
     use super::*;
     use crate::error_bound::seeded::runner;
-    use fearless_simd::{Level, dispatch};
     use proptest::prelude::*;
     use std::sync::Arc;
     use vr_core::filter::Lattice;
@@ -371,6 +370,7 @@ mod tests {
         Calibration, ControlPoint, Filter, GridVolume, Light, OpacityRule, Placement, RayShading, Scene,
         TransferFunction, UniformGrid, Volume, gradient_at_sample,
     };
+    use vr_kernels::vector::baseline;
 
     const SIDE: usize = 4;
 
@@ -458,10 +458,8 @@ mod tests {
             whole: lanes(1e6),
         };
         let mut change = ColorChange::NONE;
-        dispatch!(Level::new(), simd => {
-            let mut stage = Stage::default();
-            packets.along(simd, &Field::new(&lattice), &lights, &places, &mut stage, &mut change)
-        });
+        let mut stage = Stage::default();
+        packets.along(baseline(), &Field::new(&lattice), &lights, &places, &mut stage, &mut change);
         let ray = &reflection.shading.along(&scene.lights, direction);
         let corner = |i: usize| std::array::from_fn(|a| case.cell[a] + (i >> a & 1));
         let corners: [[f64; 3]; 8] = std::array::from_fn(|i| gradient_at_sample(&lattice, corner(i)));

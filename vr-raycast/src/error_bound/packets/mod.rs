@@ -156,6 +156,7 @@ struct Trace<'a, T> {
 
 impl<T: Pairs> Vectorized for Trace<'_, T> {
     type Output = u32;
+    const AVX2_ALONE: bool = cfg!(test);
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> u32 {

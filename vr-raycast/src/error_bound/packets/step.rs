@@ -253,10 +253,9 @@ mod tests {
     use super::*;
     use crate::error_bound::optics::Optics;
     use crate::error_bound::seeded::runner;
-    use fearless_simd::{Level, dispatch};
     use proptest::prelude::*;
     use vr_core::{Calibration, ControlPoint, OpacityRule, TransferFunction};
-    use vr_kernels::vector::LANES;
+    use vr_kernels::vector::{LANES, baseline};
 
     /// Shares of their bounds that steps through random media use, along random cubics.
     fn shares(factor: f32) -> Vec<f64> {
@@ -275,7 +274,8 @@ mod tests {
                 // From wild to nearly flat.
                 let (rise, bow, cubic) = (rise * flat, bow * flat * flat, cubic * flat * flat * flat);
                 let f = |t: f64| f0 + rise * t + 4.0 * bow * t * (1.0 - t) + cubic * t * (t - 0.5) * (t - 1.0);
-                let step = dispatch!(Level::new(), simd => {
+                let simd = baseline();
+                let step = {
                     let at = |x: f64| splat(simd, x as f32);
                     let [here, _] = costs.medium(simd, at(f(0.0)));
                     let course = Course {
@@ -289,7 +289,7 @@ mod tests {
                     let step = Step::new(simd, &costs, &here, &course, (absorption, doubt), none, None);
                     let lanes = [step.light[0], step.light[1], step.light[2], step.light[3], step.missed * factor];
                     lanes.map(|lanes| f64::from(lanes[LANES / 2]))
-                });
+                };
                 let truth = exact(&optics, |s| f(s / length), length, 4000);
                 for behind in [0.0, f64::from(costs.brightest)] {
                     for c in 0..3 {

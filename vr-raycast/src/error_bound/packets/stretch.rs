@@ -104,13 +104,13 @@ mod tests {
     use crate::error_bound::blocks::Blocks;
     use crate::error_bound::optics::Optics;
     use crate::error_bound::seeded::runner;
-    use fearless_simd::{Level, dispatch};
+    use fearless_simd::Level;
     use proptest::prelude::*;
     use vr_core::filter::Lattice;
     use vr_core::{
         Calibration, ControlPoint, Filter, GridVolume, OpacityRule, Placement, TransferFunction, UniformGrid,
     };
-    use vr_kernels::vector::{Field, LANES, Lanes, PacketLights};
+    use vr_kernels::vector::{Field, LANES, Lanes, PacketLights, baseline};
 
     const SIDE: usize = 6;
 
@@ -173,7 +173,8 @@ mod tests {
                     error: 1e-3,
                     reflection: None,
                 };
-                let stretch = dispatch!(Level::new(), simd => {
+                let simd = baseline();
+                let stretch = {
                     let (zero, end) = (splat(simd, 0.0), splat(simd, length as f32));
                     let all = zero.simd_eq(zero);
                     let way = Way::new(simd, &medium, &packet);
@@ -182,7 +183,7 @@ mod tests {
                         Stretch::new(simd, &medium, &way, [zero, zero, end], &[zero; 4], [all, all], &mut stage);
                     let [r, g, b, a] = stretch.light;
                     [r, g, b, a, stretch.missed, stretch.to].map(|lanes| f64::from(lanes[LANES / 2]))
-                });
+                };
                 let at = |s: f64| std::array::from_fn(|a| from[a] + delta[a] * s);
                 let truth = exact(&optics, |s| volume.stored_at(at(s)), stretch[5], 8000);
                 for behind in [0.0, f64::from(packets.costs.brightest)] {

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use fearless_simd::Level;
 use glam::DVec3;
 use proptest::prelude::*;
 use vr_core::{Camera, Control, ControlPoint, Light, OpacityRule, Placement, Shading, TransferFunction};
@@ -11,15 +10,6 @@ use super::super::compared::{bits, plain, row_by_row, same};
 use super::super::random_scenes::{factors, grid, row_transfers, scenes, steps, sums};
 use super::*;
 use crate::render_tables::TablesByPrecision;
-
-/// Returns every level that the machine has.
-fn levels() -> Vec<Level> {
-    let best = Level::new();
-    let mut all = vec![best];
-    #[cfg(target_arch = "x86_64")]
-    all.extend([best.as_avx2().map(Level::Avx2), best.as_sse2().map(Level::Sse2)].into_iter().flatten());
-    all
-}
 
 /// Returns the engine that a caster makes for a scene, if it can draw it.
 fn engine(caster: &RayCaster, scene: &Scene) -> Option<PacketEngine> {
@@ -55,21 +45,10 @@ fn trace(
     (values, counts)
 }
 
-/// Checks that no bit of a picture depends on the level, nor on which rays are traced together.
-fn same_at_every_level_and_alone(
-    engine: &PacketEngine,
-    scene: &Scene,
-    view: &View,
-    values: &[RaySample],
-) -> Result<(), TestCaseError> {
-    let want = bits(values);
-    let mut other = engine.clone();
-    for level in levels() {
-        other.level = level;
-        prop_assert_eq!(&bits(&trace(&other, scene, view, &row_by_row(view), None).0), &want, "{:?}", level);
-    }
+/// Checks that no bit of a picture depends on which rays are traced together.
+fn same_alone(engine: &PacketEngine, scene: &Scene, view: &View, values: &[RaySample]) -> Result<(), TestCaseError> {
     let one = |s: &ImageSample| bits(&trace(engine, scene, view, &[*s], None).0)[0];
-    prop_assert_eq!(&row_by_row(view).iter().map(one).collect::<Vec<_>>(), &want);
+    prop_assert_eq!(row_by_row(view).iter().map(one).collect::<Vec<_>>(), bits(values));
     Ok(())
 }
 
@@ -111,7 +90,7 @@ proptest! {
         // Those that meet nothing visible need not be begun.
         prop_assert!(counts.rays <= plain.stats.counts.rays);
         same(&values, &plain, TWO_WALKS)?;
-        same_at_every_level_and_alone(&engine, &scene, &view, &values)?;
+        same_alone(&engine, &scene, &view, &values)?;
     }
 
     #[test]
@@ -140,7 +119,7 @@ proptest! {
         // A gradient of the trilinear field itself jumps at the faces of cells, and so does the row.
         let tolerance = if matches!(step, Step::Local { .. }) || analytic { TWO_WALKS } else { TWO_SHADINGS };
         same(&values, &plain, tolerance)?;
-        same_at_every_level_and_alone(&engine, &scene, &view, &values)?;
+        same_alone(&engine, &scene, &view, &values)?;
     }
 
     /// From node to node of an octree, some of which are crossed at their mean.
@@ -159,7 +138,7 @@ proptest! {
         // Where a ray grazes an edge of nodes, the engines may cross different ones: each keeps the bound, where no source is brighter than 1.
         let bound = 2.0 * error as f32 * if by_variance { 4.0 } else { 1.0 } * if scene.transfer.has_emission() { 4.0 } else { 1.0 };
         same(&values, &plain, bound + TWO_WALKS)?;
-        same_at_every_level_and_alone(&engine, &scene, &view, &values)?;
+        same_alone(&engine, &scene, &view, &values)?;
     }
 
     /// By rules that integrate over all values of a step, in steps of either kind.
@@ -184,11 +163,11 @@ proptest! {
             _ => TWO_ENGINES,
         };
         same(&values, &plain, tolerance)?;
-        same_at_every_level_and_alone(&engine, &scene, &view, &values)?;
+        same_alone(&engine, &scene, &view, &values)?;
     }
 
     #[test]
-    fn no_bit_depends_on_leaping_level_company_or_start((scene, view) in scenes(1.0), step in 0.1f64..2.5, edge in 0u32..4, linear in any::<bool>(), compositing in sums()) {
+    fn no_bit_depends_on_leaping_company_or_start((scene, view) in scenes(1.0), step in 0.1f64..2.5, edge in 0u32..4, linear in any::<bool>(), compositing in sums()) {
         let scene = Scene { compositing, ..scene };
         let rule = if linear { Rule::Linear } else { Rule::Midpoint };
         let caster = RayCaster { step: Step::Uniform(step), rule, ..RayCaster::uniform(0.2) };
@@ -198,11 +177,6 @@ proptest! {
         let mut spots = row_by_row(&view);
         let (values, all) = trace(&engine, &scene, &view, &spots, None);
         let want = bits(&values);
-        for level in levels() {
-            engine.level = level;
-            prop_assert_eq!(&bits(&trace(&engine, &scene, &view, &spots, None).0), &want, "{:?}", level);
-        }
-        engine.level = Level::new();
         set_edge(&mut engine, &scene, Some(1 << edge));
         engine.hull = hull;
         let (leaping, fewer) = trace(&engine, &scene, &view, &spots, None);

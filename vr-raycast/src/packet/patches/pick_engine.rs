@@ -112,6 +112,7 @@ struct Trace<'a, 'f, P> {
 
 impl<P: Patches> Vectorized for Trace<'_, '_, P> {
     type Output = ();
+    const AVX2_ALONE: bool = cfg!(test);
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use fearless_simd::Level;
 use glam::DVec3;
 use proptest::prelude::*;
 use vr_core::amr::{AmrCentring, AmrGrid, AmrSampling};
@@ -17,7 +16,7 @@ use vr_physics::check::FixedLayer;
 use super::super::compared::{bits, plain, row_by_row, same, same_picks};
 use super::super::random_scenes::{factors, picks, steps, sums};
 use super::{PatchEngine, PatchFrame};
-use crate::caster::{CompositingOrder, EmptySpace, RayCaster, Step, Vector};
+use crate::caster::{CompositingOrder, EmptySpace, RayCaster, Step};
 use crate::engine::{Engine, lengths};
 use crate::prepared::PreparedCaster;
 use crate::source::Source;
@@ -255,7 +254,7 @@ proptest! {
     }
 
     #[test]
-    fn no_bit_of_what_is_picked_depends_on_leaping_level_or_company((scene, view) in scenes(), compositing in picks(), step in 0.1f64..2.5, shaded in any::<bool>()) {
+    fn no_bit_of_what_is_picked_depends_on_leaping_or_company((scene, view) in scenes(), compositing in picks(), step in 0.1f64..2.5, shaded in any::<bool>()) {
         let scene = picking(scene, compositing, shaded);
         let leaping = RayCaster::uniform(step);
         let spots = row_by_row(&view);
@@ -265,10 +264,6 @@ proptest! {
         let (all, every) = picked(&picker(&through_all, &scene), &scene, &view, &spots);
         prop_assert!(fewer.samples <= every.samples);
         prop_assert_eq!(bits(&values), bits(&all));
-        for vector in [Vector::Avx2, Vector::Baseline] {
-            let other = RayCaster { vector, ..leaping.clone() };
-            prop_assert_eq!(bits(&picked(&picker(&other, &scene), &scene, &view, &spots).0), bits(&values), "{:?}", vector);
-        }
         let alone: Vec<_> = spots.iter().flat_map(|s| bits(&picked(&prepared, &scene, &view, &[*s]).0)).collect();
         prop_assert_eq!(alone, bits(&values));
     }
@@ -317,7 +312,7 @@ proptest! {
     }
 
     #[test]
-    fn no_bit_depends_on_leaping_level_or_company((scene, view) in scenes(), step in 0.1f64..2.5, shaded in any::<bool>(), look in prop::option::of(gradient_looks())) {
+    fn no_bit_depends_on_leaping_or_company((scene, view) in scenes(), step in 0.1f64..2.5, shaded in any::<bool>(), look in prop::option::of(gradient_looks())) {
         let shading = shaded.then(|| Arc::new(Shading::default()));
         let scene = Scene { shading, ..scene };
         let scene = match look {
@@ -325,18 +320,10 @@ proptest! {
             None => scene,
         };
         let caster = RayCaster::uniform(step);
-        let mut engine_of_all = engine(&RayCaster { empty_space: EmptySpace::None, ..caster.clone() }, &scene);
+        let engine_of_all = engine(&RayCaster { empty_space: EmptySpace::None, ..caster.clone() }, &scene);
         let mut spots = row_by_row(&view);
         let (values, all) = trace(&engine_of_all, &scene, &view, &spots);
         let want = bits(&values);
-        let best = Level::new();
-        let mut levels = vec![best];
-        #[cfg(target_arch = "x86_64")]
-        levels.extend([best.as_avx2().map(Level::Avx2), best.as_sse2().map(Level::Sse2)].into_iter().flatten());
-        for level in levels {
-            engine_of_all.level = level;
-            prop_assert_eq!(&bits(&trace(&engine_of_all, &scene, &view, &spots).0), &want, "{:?}", level);
-        }
         let engine = engine(&caster, &scene);
         let (leaping, fewer) = trace(&engine, &scene, &view, &spots);
         prop_assert_eq!(&bits(&leaping), &want);

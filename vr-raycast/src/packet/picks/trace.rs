@@ -34,6 +34,7 @@ pub(crate) struct PickTrace<'a, 'p, T, R> {
 
 impl<T: PacketField, R: Real> Vectorized for PickTrace<'_, '_, T, R> {
     type Output = ();
+    const AVX2_ALONE: bool = cfg!(test);
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {

@@ -47,6 +47,7 @@ struct Ahead {
 
 impl Vectorized for CoveredParts<'_> {
     type Output = Vec<[f64; 2]>;
+    const AVX2_ALONE: bool = cfg!(test);
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Vec<[f64; 2]> {

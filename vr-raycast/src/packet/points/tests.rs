@@ -9,7 +9,7 @@ use vr_core::{
     Shading, TransferFunction, View, phantom,
 };
 
-use crate::caster::{CompositingOrder, RayCaster, Rule, Step, Vector};
+use crate::caster::{CompositingOrder, RayCaster, Rule, Step};
 use crate::engine::Engine;
 use crate::packet::compared::{bits, plain, row_by_row, same, same_picks};
 use crate::packet::random_scenes::{factors, picks, row_transfers, sums, transfers};
@@ -106,10 +106,6 @@ proptest! {
         let want = plain(&caster, &scene, &view);
         let room = if turns { turned_by_moving(&caster, &scene, &view, &want) } else { 0.0 };
         same(&values, &want, tolerance + room)?;
-        for vector in [Vector::Avx2, Vector::Baseline] {
-            let other = drawn(&RayCaster { vector, ..caster.clone() }, &scene, &view).unwrap();
-            prop_assert_eq!(bits(&other), bits(&values), "{:?}", vector);
-        }
     }
 }
 
@@ -134,10 +130,6 @@ proptest! {
         // Rounding may choose between two samples as the extreme one, and their colours differ.
         let with_colors = !is_colored || matches!(compositing, Compositing::Average | Compositing::First { .. });
         same_picks(values.iter().map(|value| value.rgba), &want, (compositing, with_colors), tolerance + room)?;
-        for vector in [Vector::Avx2, Vector::Baseline] {
-            let other = drawn(&RayCaster { vector, ..caster.clone() }, &scene, &view).unwrap();
-            prop_assert_eq!(bits(&other), bits(&values), "{:?}", vector);
-        }
     }
 }
 
