@@ -16,7 +16,7 @@ use vr_io::{
 };
 use vr_mesh::Surface;
 
-use crate::args::{Fit, QUALITY, RendererArgs, ReplaceArgs, SceneArgs};
+use crate::args::{Fit, QUALITY, Quality, RendererArgs, ReplaceArgs, SceneArgs};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::inputs::Inputs;
@@ -233,9 +233,13 @@ impl Setup {
             _ => Failure::usage(message),
         };
         // Choose the renderer: a flag's, the scene file's, or the usual one.
-        let own_name = self.renderer.as_deref().unwrap_or_else(|| renderers::usual(&self.scene));
+        let own_name = self.renderer.as_deref().unwrap_or_else(|| self.usual(args));
         let name = args.renderer.as_deref().unwrap_or(own_name);
         let renderer = renderers::named(name).map_err(|e| complaint(args.renderer.is_some(), e))?;
+        let usual = renderers::usual(&self.scene);
+        if args.renderer.is_none() && self.renderer.is_none() && name != usual {
+            console.note(&format!("renderer {name}, since {usual} cannot bound the error of this scene; it is slow"));
+        }
         // Another renderer than the scene file's: the options there are not for it.
         let is_own = name == own_name;
         let own = if is_own { self.options.clone() } else { Options::new() };
@@ -291,6 +295,21 @@ impl Setup {
             .ok_or_else(|| complaint(by_flag, format!("renderer {name} cannot bound the error (max_error)")))?
             .map_err(|e| complaint(by_flag, e.to_string()))?;
         Ok(Configured { renderer, options, max_error: Some(max_error), stated })
+    }
+
+    /// Returns the renderer of a scene for which none is named: the usual one, or, where the error is to be bounded and that one cannot, one that can.
+    fn usual(&self, args: &RendererArgs) -> &'static str {
+        let usual = renderers::usual(&self.scene);
+        let is_bounded = match args.quality {
+            Some(quality) => quality == Quality::Proven,
+            None => args.max_error.or(self.max_error).is_some(),
+        };
+        // Options are for the usual one.
+        if !is_bounded || !args.set.is_empty() || !self.options.0.is_empty() {
+            return usual;
+        }
+        let able = self.drawn_by(true);
+        if able.contains(&usual) { usual } else { able.first().copied().unwrap_or(usual) }
     }
 
     /// Returns the scene file that was read, if one was.

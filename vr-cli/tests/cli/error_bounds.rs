@@ -52,10 +52,28 @@ fn what_a_renderer_cannot_promise_is_told_with_one_that_can() {
     let render = "render --phantom blobs --phantom-size 12 --size 8 --error none -o p.png --max-error 0.004";
     let shaded = vr.run(&format!("{render} --shading")).succeeded();
     assert!(shaded.stdout.contains("error bound proven"), "{}", shaded.stdout);
-    let refused = vr.run(&format!("{render} --filter bspline")).failed(1);
+    let refused = vr.run(&format!("{render} --filter bspline --renderer raycast")).failed(1);
     assert!(refused.contains("with the filter 'bspline' (--renderer physics can)"), "{refused}");
-    let proven = vr.run(&format!("{render} --filter bspline --renderer physics")).succeeded();
-    assert!(proven.stdout.contains("error bound proven"), "{}", proven.stdout);
+    let refused = vr.run(&format!("{render} --renderer splat")).failed(2);
+    assert!(refused.contains("splat cannot bound the error"), "{refused}");
+}
+
+#[test]
+fn where_no_renderer_is_named_one_that_can_bound_the_error_draws() {
+    let vr = Vr::new();
+    let render = "render --size 8 --error none -o p.png --force";
+    for (scene, usual) in [
+        ("--phantom blobs --phantom-size 12 --filter bspline --max-error 0.004", "raycast"),
+        ("--phantom plummer --points-count 20 --max-error 0.004", "splat"),
+        ("--phantom plummer --points-count 20 --quality proven", "splat"),
+    ] {
+        let run = vr.run(&format!("{render} {scene}")).succeeded();
+        assert!(run.stdout.contains("error bound proven"), "{scene}: {}", run.stdout);
+        assert!(run.stderr.contains(&format!("renderer physics, since {usual} cannot")), "{scene}: {}", run.stderr);
+    }
+    // Nothing is said where the usual one can.
+    let run = vr.run(&format!("{render} --phantom blobs --phantom-size 12 --max-error 0.004")).succeeded();
+    assert!(!run.stderr.contains("cannot bound"), "{}", run.stderr);
 }
 
 #[test]
