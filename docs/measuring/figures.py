@@ -513,6 +513,13 @@ HOW = {
                                             rename=with_prefix("fog, 40°"))),
     "texslice-speed": Needs(BY_HAND + "docs/measuring/settings.py, the ray caster's brute force in turns"),
     "texslice-brute": brute,
+    "view": Printed("cargo run --release --workspace --example page_times -- target/release/vr VOLUME",
+                    "{row}: load {load} before", "{row}: first picture after {first} s, listening after {listening} s",
+                    "{row}: {rate} pictures a second in an orbit", "{row}: move to picture {move} ms, 95 %: {move 95} ms",
+                    "{row}: pictures {width} pixels wide, RMSE {rmse}", "{row}: all pixels after {whole} ms", "{row}: sharp after {sharp} ms",
+                    "{row}: measured after {measured} ms", "{row}: proven after {proven} ms", "{row}: edit to picture {edit} ms, 95 %: {edit 95} ms",
+                    rename={"bonsai.nii.gz": "bonsai", "cthead_256x256x99.mhd": "CT head",
+                            "bonsai_512x512x512_uint8.raw": "bonsai 512³"}.get),
 }
 
 
