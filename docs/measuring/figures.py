@@ -85,6 +85,13 @@ class Values:
                     taken.setdefault(row, {})[column] = new
                     del cells[column]
             old["values"] = {row: cells for row, cells in old["values"].items() if cells}
+        # What has a place and was never measured has no old value.
+        known = self.rows(table)
+        for row in self.tables[table]["rows"]:
+            for column, new in values.get(row, {}).items():
+                if column in units and column not in known[row] and column not in taken.get(row, {}):
+                    print(f"{table}: {row}, {column}: {new} {units[column]}")
+                    taken.setdefault(row, {})[column] = new
         measured[:] = [old for old in measured if old["values"]]
         if taken:
             new = {"command": command, "date": str(datetime.date.today()), "machine": here}
