@@ -85,6 +85,13 @@ class Values:
                     taken.setdefault(row, {})[column] = new
                     del cells[column]
             old["values"] = {row: cells for row, cells in old["values"].items() if cells}
+        # What has a place and was never measured has no old value.
+        known = self.rows(table)
+        for row in self.tables[table]["rows"]:
+            for column, new in values.get(row, {}).items():
+                if column in units and column not in known[row] and column not in taken.get(row, {}):
+                    print(f"{table}: {row}, {column}: {new} {units[column]}")
+                    taken.setdefault(row, {})[column] = new
         measured[:] = [old for old in measured if old["values"]]
         if taken:
             new = {"command": command, "date": str(datetime.date.today()), "machine": here}
@@ -513,6 +520,13 @@ HOW = {
                                             rename=with_prefix("fog, 40°"))),
     "texslice-speed": Needs(BY_HAND + "docs/measuring/settings.py, the ray caster's brute force in turns"),
     "texslice-brute": brute,
+    "view": Printed("cargo run --release --workspace --example page_times -- target/release/vr VOLUME",
+                    "{row}: load {load} before", "{row}: first picture after {first} s, listening after {listening} s",
+                    "{row}: {rate} pictures a second in an orbit", "{row}: move to picture {move} ms, 95 %: {move 95} ms",
+                    "{row}: pictures {width} pixels wide, RMSE {rmse}", "{row}: all pixels after {whole} ms", "{row}: sharp after {sharp} ms",
+                    "{row}: measured after {measured} ms", "{row}: proven after {proven} ms", "{row}: edit to picture {edit} ms, 95 %: {edit 95} ms",
+                    rename={"bonsai.nii.gz": "bonsai", "cthead_256x256x99.mhd": "CT head",
+                            "bonsai_512x512x512_uint8.raw": "bonsai 512³"}.get),
 }
 
 

@@ -1,7 +1,8 @@
 //! Times that a person waits for in the page: `cargo build --release --workspace --bins`, then
 //! `cargo run --release --workspace --example page_times -- target/release/vr ARGUMENTS OF VR VIEW` in headless Chromium, which must be installed.
 //!
-//! It starts `vr view` with those arguments, opens its page with a picture of 512² pixels, turns the volume by the mouse, rests, and edits the transfer function.
+//! It starts `vr view` with those arguments, opens its page with a picture of 512² pixels, turns the volume by the mouse, rests, and edits the transfer function. Each line begins
+//! with the last argument's file name, so that `docs/measuring/figures.py view --from FILE` reads what several runs have printed.
 
 #[path = "../tests/browser/chromium.rs"]
 #[allow(dead_code)]
@@ -25,12 +26,14 @@ const EDITS: u32 = 60;
 
 /// Function of the page that waits until the picture rests, and gives the milliseconds until each stage was shown.
 const STAGES: &str = "new Promise((done) => { const start = performance.now(), at = {}; const look = () => { \
-    const { stage } = window.vr.status.head; at[stage] ??= performance.now() - start; \
+    const { stage, size, full_size: full } = window.vr.status.head, time = performance.now() - start; at[stage] ??= time; \
+    if (stage !== 'draft' && size[0] === full[0]) at.whole ??= time; \
     if (window.vr.rests || performance.now() - start > 60000) done(at); else setTimeout(look, 2); }; look(); })";
 
 /// Function of the page that samples the moving picture's sizes and errors.
-const SAMPLING: &str = "window.vrSeen = []; window.vrSampling = setInterval(() => { const { stage, size, error, milliseconds } = window.vr.status.head; \
-    if (stage === 'draft') window.vrSeen.push([size[0], error.rmse ?? null, milliseconds]); }, 20)";
+const SAMPLING: &str = "window.vrSeen = []; window.vrSampling = setInterval(() => { \
+    const { stage, size, error, milliseconds, renderer } = window.vr.status.head; \
+    if (stage === 'draft') window.vrSeen.push([size[0], error.rmse ?? null, milliseconds, renderer]); }, 20)";
 
 /// A process that is killed when this is dropped.
 struct Program(Child);
@@ -63,17 +66,16 @@ fn place(browser: &mut Browser) -> [f64; 4] {
     std::array::from_fn(|i| found[i].as_f64().unwrap_or(f64::NAN))
 }
 
-/// Prints pictures a second, and milliseconds from an edit to its picture, since the last call of [`forget`].
-fn shown(browser: &mut Browser, what: &str) {
-    let rate = browser.value("window.vr.status.rate()");
+/// Milliseconds from an edit to its picture since the last call of [`forget`]: the median, and the number below which 95 % lie.
+fn waits(browser: &mut Browser) -> String {
     let waits = sorted(&browser.value("window.vr.status.latencies"));
-    println!(
-        "{what}: {:.0} pictures a second; {:.0} ms to the picture, 95 %: {:.0} ms, of {}",
-        rate.as_f64().unwrap_or(f64::NAN),
-        quantile(&waits, 0.5),
-        quantile(&waits, 0.95),
-        waits.len()
-    );
+    format!("{:.0} ms, 95 %: {:.0} ms", quantile(&waits, 0.5), quantile(&waits, 0.95))
+}
+
+/// Processes that ran or waited for a processor, in the mean of the last minute; `None` where the system does not tell.
+fn load() -> Option<String> {
+    let loads = std::fs::read_to_string("/proc/loadavg").ok()?;
+    loads.split(' ').next().map(str::to_owned)
 }
 
 /// Discards the page's times of pictures shown so far.
@@ -83,6 +85,11 @@ fn forget(browser: &mut Browser) {
 
 fn main() {
     let mut arguments = std::env::args_os().skip(1);
+    let last = std::env::args().next_back().unwrap_or_default();
+    let name = last.rsplit('/').next().unwrap_or_default();
+    if let Some(load) = load() {
+        println!("{name}: load {load} before");
+    }
     let program = arguments.next().expect("the program, and the arguments of vr view");
     let mut browser = Browser::start().expect("Chromium is installed");
     let start = Instant::now();
@@ -101,11 +108,8 @@ fn main() {
     while browser.value("Boolean(window.vr?.status.head)") != true {
         std::thread::sleep(Duration::from_millis(2));
     }
-    println!(
-        "first picture: {:.2} s from the start of the program, which listens after {:.2} s",
-        start.elapsed().as_secs_f64(),
-        listening.as_secs_f64()
-    );
+    let first = start.elapsed().as_secs_f64();
+    println!("{name}: first picture after {first:.2} s, listening after {:.2} s", listening.as_secs_f64());
 
     // Make the picture as large as is asked for.
     let [_, _, width, height] = place(&mut browser);
@@ -113,8 +117,7 @@ fn main() {
     let metrics = json!({"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": false});
     browser.call("Emulation.setDeviceMetricsOverride", metrics);
     browser.wait("window.vr.picture.size.every((n, k) => n === window.vr.status.head.full_size[k])");
-    let stages = browser.value(STAGES);
-    println!("picture of {}; at rest: {stages}", browser.value("window.vr.picture.size"));
+    browser.value(STAGES);
 
     // Turn it by the mouse; the second half is measured.
     let [left, top, width, height] = place(&mut browser);
@@ -138,18 +141,21 @@ fn main() {
     let stages = browser.value(STAGES);
     browser.mouse("mouseReleased", middle, json!({"button": "left", "buttons": 0, "clickCount": 1}));
     browser.value("clearInterval(window.vrSampling)");
-    shown(&mut browser, "orbit");
+    let rate = browser.value("window.vr.status.rate()").as_f64().unwrap_or(f64::NAN);
+    println!("{name}: {rate:.0} pictures a second in an orbit");
+    println!("{name}: move to picture {}", waits(&mut browser));
     let seen = browser.value("window.vrSeen");
     let column = |k: usize| sorted(&seen.as_array().into_iter().flatten().map(|row| row[k].clone()).collect());
     let [sides, errors, times] = [0, 1, 2].map(column);
-    println!(
-        "  {} pixels wide, RMSE {:.1e} (estimated), {:.0} ms to draw",
-        quantile(&sides, 0.5),
-        quantile(&errors, 0.5),
-        quantile(&times, 0.5)
-    );
-    println!("  milliseconds after the last move: {stages}");
-    println!("  error at rest: {}", browser.value("window.vr.status.head.error"));
+    let renderer = &seen[seen.as_array().map_or(0, Vec::len) / 2][3];
+    println!("{name}: pictures {} pixels wide, RMSE {:.1e}", quantile(&sides, 0.5), quantile(&errors, 0.5));
+    println!("{name}: drawn by {} in {:.0} ms", renderer.as_str().unwrap_or("nothing"), quantile(&times, 0.5));
+    for (stage, word) in [("whole", "all pixels"), ("sharp", "sharp"), ("measured", "measured"), ("proven", "proven")] {
+        // Stages that were not reached are left out.
+        if let Some(time) = stages[stage].as_f64() {
+            println!("{name}: {word} after {time:.0} ms");
+        }
+    }
 
     // Edit the transfer function.
     browser.wait("window.vr.rests");
@@ -162,7 +168,7 @@ fn main() {
         ));
         std::thread::sleep((2 * PAUSE).saturating_sub(began.elapsed()));
     }
-    let stages = browser.value(STAGES);
-    shown(&mut browser, "transfer function");
-    println!("  milliseconds after the last edit: {stages}");
+    // The last picture is waited for.
+    browser.value("new Promise((done) => setTimeout(done, 500))");
+    println!("{name}: edit to picture {}", waits(&mut browser));
 }

@@ -30,6 +30,21 @@ impl Request {
     }
 }
 
+/// Message of a page that has shown a picture. A page that says so is sent no picture while two others are on their way to it.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shown {
+    /// Number of the picture.
+    pub shown: u64,
+}
+
+impl Shown {
+    /// Reads the text of a message; `None` for any other message.
+    pub fn read(text: &str) -> Option<Self> {
+        serde_json::from_str(text).ok()
+    }
+}
+
 /// Message in words to a page.
 #[derive(Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]

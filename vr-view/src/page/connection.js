@@ -69,7 +69,7 @@ export class Connection {
     };
   }
 
-  picture(data) {
+  async picture(data) {
     const { head, bytes } = takenApart(data);
     let since = null;
     for (const [number, time] of this.sent) {
@@ -77,7 +77,9 @@ export class Connection {
       since ??= time;
       this.sent.delete(number);
     }
-    this.on.picture(head, bytes, since);
+    await this.on.picture(head, bytes, since);
+    // The program sends no more pictures than are shown.
+    if (!local && this.link?.readyState === WebSocket.OPEN) this.link.send(JSON.stringify({ shown: head.picture }));
   }
 
   /** Sends an edit, and returns its number; 0 while there is no connection. */

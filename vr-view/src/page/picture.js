@@ -42,7 +42,7 @@ export class PictureView {
   stretched(image) {
     const { width, height } = this.canvas;
     this.context.imageSmoothingEnabled = true;
-    this.context.imageSmoothingQuality = image.width * 2 < width ? "medium" : "high";
+    this.context.imageSmoothingQuality = "low";
     this.context.drawImage(image, 0, 0, width, height);
   }
 

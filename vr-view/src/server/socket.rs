@@ -8,12 +8,12 @@ use axum::extract::ws::{CloseFrame, Message, WebSocket, close_code};
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
 use tokio::sync::broadcast::error::RecvError;
-use tokio::sync::mpsc;
+use tokio::sync::{mpsc, watch};
 use tokio::time::timeout;
 
 use super::Service;
 use super::rate::Rate;
-use crate::message::{Request, Told, VERSION, picture_message};
+use crate::message::{Request, Shown, Told, VERSION, picture_message};
 use crate::session::{ClientId, Output, Session};
 
 /// Time after which a client that takes nothing is given up.
@@ -24,16 +24,20 @@ const LAST_WORD: Duration = Duration::from_millis(200);
 const MAX_MALFORMED: u32 = 20;
 /// Answers that wait for a client at most.
 const WAITING: usize = 64;
+/// Pictures that are on their way to a client at most, if it tells which ones it has shown: one to be shown, and one to follow it. More of them would wait in
+/// a page that is slower than the program, and be old when they are shown.
+const AHEAD: usize = 2;
 
 /// Serves a client until one side ends.
 pub async fn serve(socket: WebSocket, service: Service, client: ClientId) {
     let (sink, stream) = socket.split();
     let (answers, waiting) = mpsc::channel(WAITING);
     // Whichever ends first ends the other. A connection that is cut while messages wait to be read loses the last word: they are read.
-    let mut receiving = pin!(receive(stream, &service, client, answers));
+    let (showing, shown) = watch::channel(None);
+    let mut receiving = pin!(receive(stream, &service, client, (answers, showing)));
     tokio::select! {
         () = &mut receiving => {}
-        has_closed = send(sink, &service, client, waiting) => if has_closed.is_some() {
+        has_closed = send(sink, &service, client, (waiting, shown)) => if has_closed.is_some() {
             let _ = timeout(LAST_WORD, receiving).await;
         }
     }
@@ -51,7 +55,7 @@ async fn receive(
     mut stream: SplitStream<WebSocket>,
     service: &Service,
     client: ClientId,
-    answers: mpsc::Sender<Message>,
+    (answers, showing): (mpsc::Sender<Message>, watch::Sender<Option<u64>>),
 ) {
     let (mut rate, mut malformed) = (Rate::new(Instant::now()), 0);
     let close = |reason: &'static str| {
@@ -64,6 +68,7 @@ async fn receive(
             break;
         }
         let refused = match message {
+            Message::Text(text) if has_shown(&text, &showing) => continue,
             Message::Text(text) => match Request::read(&text) {
                 Ok(Request { number, edit }) => {
                     // An edit may ask for a survey of the volume, which would hold up every other client.
@@ -102,7 +107,7 @@ async fn send(
     mut sink: SplitSink<WebSocket, Message>,
     service: &Service,
     client: ClientId,
-    mut answers: mpsc::Receiver<Message>,
+    (mut answers, mut shown): (mpsc::Receiver<Message>, watch::Receiver<Option<u64>>),
 ) -> Option<()> {
     let (mut pictures, mut words) = service.hub.listen();
     let coding = service.coding();
@@ -112,6 +117,8 @@ async fn send(
     pictures.mark_changed();
     let mut opened = Box::pin(service.clone().opened());
     let mut has_opened = false;
+    // Numbers of pictures that a client who tells which ones it has shown is yet to show.
+    let mut ahead: Vec<u64> = Vec::new();
     loop {
         let message = tokio::select! {
             biased;
@@ -136,10 +143,18 @@ async fn send(
                 }
                 Err(RecvError::Closed) => return None,
             },
-            changed = pictures.changed() => {
+            Ok(()) = shown.changed() => {
+                let last = *shown.borrow_and_update();
+                ahead.retain(|&number| Some(number) > last);
+                continue;
+            }
+            changed = pictures.changed(), if ahead.len() < AHEAD => {
                 changed.ok()?;
                 let picture = pictures.borrow_and_update().clone();
                 let Some(picture) = picture else { continue };
+                if shown.borrow().is_some() {
+                    ahead.push(picture.head.picture);
+                }
                 Message::Binary(picture_message(&picture, client, coding).into())
             }
             () = service.ending() => {
@@ -153,6 +168,15 @@ async fn send(
             return Some(());
         }
     }
+}
+
+/// True if a message says that a picture was shown, which is passed on.
+fn has_shown(text: &str, showing: &watch::Sender<Option<u64>>) -> bool {
+    let shown = Shown::read(text);
+    if let Some(Shown { shown }) = shown {
+        showing.send_replace(Some(shown));
+    }
+    shown.is_some()
 }
 
 fn text_message(told: &Told<'_>) -> Message {

@@ -13,6 +13,7 @@ use vr_study::stated::StatedRenderer;
 
 use super::edit::{Edit, PROVEN, Quality, Side};
 use super::error::EditError;
+use super::moving::{QUICK, Quick};
 use super::navigation;
 use super::second::Setting;
 use super::subject::{RendererList, Subject};
@@ -26,6 +27,9 @@ pub const MAX_PIXELS: u32 = 3840 * 2160 * 3 / 2;
 const MAX_HISTORY: usize = 200;
 /// Most volumes that history keeps in memory besides the one that is shown.
 const MAX_FORMER_VOLUMES: usize = 1;
+
+/// Most voxels of a volume of which a second renderer may make something of its own for moving pictures.
+const MAX_VOXELS_BESIDE: usize = 1 << 25;
 
 /// Part of two boxes that must be common for a camera to be kept when one takes the place of the other.
 const ALIKE: f64 = 0.5;
@@ -173,6 +177,11 @@ impl Document {
         file
     }
 
+    /// The section of the renderer and its options.
+    pub(super) fn file_render(&self) -> &RenderSection {
+        &self.file.render
+    }
+
     /// Name of the renderer.
     pub fn renderer_name(&self) -> &str {
         self.file.render.renderer.as_deref().unwrap_or_default()
@@ -236,6 +245,39 @@ impl Document {
             _ => self.renderer(&self.file.render, None)?,
         };
         Ok(Stages { draft, sharp, proven })
+    }
+
+    /// A renderer for pictures that must be quick: the own one at draft quality for 0, else that of [`QUICK`] before a number; `None` where that does not draw the scene, or
+    /// where the own options were chosen by hand and others would draw something else.
+    ///
+    /// # Errors
+    /// An option that the renderer does not take.
+    pub(super) fn quick(&self, setting: usize) -> Result<Option<Box<dyn Renderer>>, EditError> {
+        let Some(Quick { renderer, options }) = setting.checked_sub(1).map(|index| &QUICK[index]) else {
+            return Ok(Some(self.stages()?.draft));
+        };
+        let Some(renderer) = self.renderers.named(renderer).filter(|_| self.has_usual_renderer()) else {
+            return Ok(None);
+        };
+        let voxels = self.scene.volume.value_grid().map_or(0, |grid| grid.dims().iter().product());
+        if renderer.name() != self.renderer_name() && voxels > MAX_VOXELS_BESIDE {
+            return Ok(None);
+        }
+        let options = options.iter().fold(Options::new(), |all, (key, value)| all.with(key, *value));
+        let configured = renderer.with_options(&options).ok();
+        let drawing = configured.filter(|renderer| renderer.supports(&self.scene, Some(&self.view)).is_ok());
+        Ok(drawing.map(|renderer| -> Box<dyn Renderer> { renderer }))
+    }
+
+    /// True if the renderer is the scene's usual one, with its usual options but for the quality.
+    fn has_usual_renderer(&self) -> bool {
+        let name = (self.renderers.usual)(&self.scene);
+        let Some(usual) = self.renderers.named(name).filter(|_| name == self.renderer_name()) else { return false };
+        let [mut own, mut usual] = [self.file.render.options.clone(), StatedRenderer::of(usual, None).options];
+        // A bound that is asked for stands by itself.
+        own.0.retain(|key, _| key != QUALITY && usual.0.contains_key(key));
+        usual.0.retain(|key, _| own.0.contains_key(key));
+        own == usual
     }
 
     /// The renderer of a section without its bound, at a quality of its own where one is named.

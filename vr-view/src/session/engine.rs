@@ -10,36 +10,78 @@ use vr_physics::metrics::subgrid;
 use vr_study::reference::ReferencePixels;
 
 use super::desk::{Desk, Shared};
+use super::document::Document;
 use super::error::EditError;
+use super::moving::{Choice, Moving, QUICK, Trial, WHOLE};
 use super::output::Output;
-use super::pace::Pace;
+use super::pace::sized;
 use super::picture::{COMPARED, ClientId, Head, Orientation, Picture, PictureError, Stage};
 use super::upsampled::rmse_upsampled;
 
 /// Time without an edit after which the picture is at rest.
 const REST: Duration = Duration::from_millis(100);
 
+/// Time of a first picture of all pixels that is drawn without a coarser one before.
+const SOON: Duration = Duration::from_millis(400);
+
+/// Pixels of the pictures that settings are tried with.
+const TRIED: [f64; 2] = [128.0 * 128.0, 256.0 * 256.0];
+/// Time of a trial's smaller picture from which the larger one is not drawn.
+const LONG: Duration = Duration::from_millis(250);
+
 /// Work of the engine: one stage of one revision.
 pub(super) struct Job {
     revision: u64,
     stage: Stage,
+    task: Task,
     scene: Scene,
     scene_revision: u64,
     view: View,
-    renderer: Option<Box<dyn Renderer>>,
     /// Size of the picture at rest.
     full_size: [u32; 2],
     /// Bound that is asked for.
     bound: Option<f64>,
-    /// Identity of renderer and options.
-    setting: String,
+    /// RMSE that trials suggest.
+    rmse: Option<f64>,
     answers: BTreeMap<ClientId, u64>,
     control: Control,
 }
 
+/// Settings of [`Moving`], by their numbers.
+type Settings = Vec<(usize, Box<dyn Renderer>)>;
+
+/// What a job does.
+enum Task {
+    /// Draws by a renderer, whose prepared state is kept in a slot.
+    Draw(Box<dyn Renderer>, SlotName),
+    /// Tries these settings for moving pictures, and takes note that what is named was tried.
+    Try(Settings, String),
+    /// Compares the sharp picture with the reference.
+    Measure,
+}
+
+/// Name of a slot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum SlotName {
+    /// A setting of [`Moving`].
+    Quick(usize),
+    Sharp,
+    Proven,
+}
+
+/// Work that is due next, before it is known how.
+enum Next {
+    Draft,
+    Finer([u32; 2]),
+    Sharp,
+    Try,
+    Measure,
+    Prove,
+}
+
 /// A renderer that has seen the scene, kept from picture to picture.
 struct Slot {
-    setting: String,
+    bound: Option<f64>,
     scene_revision: u64,
     prepared: Box<dyn Prepared>,
 }
@@ -65,8 +107,12 @@ pub(super) enum Due {
 pub(super) struct Engine {
     pub(super) shared: Arc<Shared>,
     pool: Control,
-    pace: Pace,
-    slots: [Option<Slot>; 3],
+    moving: Moving,
+    /// Renderer and volume of the trials that are known.
+    setting: String,
+    slots: BTreeMap<SlotName, Slot>,
+    /// Seconds that a pixel of the first whole picture took when it was drawn last.
+    whole_cost: Option<f64>,
     progress: Option<Progress>,
     pictures: u64,
     /// The coarse pictures of a revision.
@@ -86,8 +132,10 @@ impl Engine {
         Self {
             shared,
             pool,
-            pace: Pace::default(),
-            slots: [None, None, None],
+            moving: Moving::default(),
+            setting: String::new(),
+            slots: BTreeMap::new(),
+            whole_cost: None,
             progress: None,
             pictures: 0,
             coarse: (0, Vec::new()),
@@ -146,25 +194,28 @@ impl Engine {
             if desk.ended {
                 return Due::End;
             }
+            let setting = setting_of(&desk.document);
+            if self.setting != setting {
+                self.setting = setting;
+                self.moving.forget();
+                self.slots.clear();
+                self.whole_cost = None;
+            }
             let drawn = self.progress.as_ref().filter(|progress| progress.revision == desk.revision);
-            let has_proof = desk.document.max_error().is_some();
-            let full = desk.document.view().size;
             let next = match drawn.map(|progress| progress.stage) {
-                None => Some((Stage::Draft, self.pace.size(full))),
-                Some(None) => None,
-                Some(Some((Stage::Draft | Stage::Finer, size))) => {
-                    Some(finer(size, full).map_or((Stage::Sharp, full), |size| (Stage::Finer, size)))
-                }
-                Some(Some((Stage::Sharp, size))) => Some((Stage::Measured, size)),
-                Some(Some((Stage::Measured, size))) => has_proof.then_some((Stage::Proven, size)),
-                Some(Some((Stage::Proven, _))) => None,
+                None => Next::Draft,
+                Some(None) => return Due::Idle,
+                Some(Some((Stage::Draft | Stage::Finer, size))) => self.refined(&desk.document, size),
+                Some(Some((Stage::Sharp, _))) if self.moving.is_untried(&self.trials_of(&desk.document)) => Next::Try,
+                Some(Some((Stage::Sharp, _))) => Next::Measure,
+                Some(Some((Stage::Measured, _))) if desk.document.max_error().is_some() => Next::Prove,
+                Some(Some((Stage::Measured | Stage::Proven, _))) => return Due::Idle,
             };
-            let Some(next) = next else { return Due::Idle };
             let moved = desk.last_edit.elapsed();
-            if next.0 != Stage::Draft && moved < REST {
+            if !matches!(next, Next::Draft) && moved < REST {
                 return Due::Wait(REST - moved);
             }
-            match job(desk, next, &self.shared) {
+            match self.job(desk, next) {
                 Ok(job) => return Due::Work(Box::new(job)),
                 Err(e) => {
                     self.progress = Some(Progress { revision: desk.revision, stage: None });
@@ -174,23 +225,101 @@ impl Engine {
         }
     }
 
+    /// The next picture at rest after one of a size that is not by the renderer's own setting.
+    fn refined(&self, document: &Document, size: [u32; 2]) -> Next {
+        let full = document.view().size;
+        let whole = size == full;
+        if whole || !has_quick(document, WHOLE + 1) {
+            return finer(size, full).filter(|_| !whole).map_or(Next::Sharp, Next::Finer);
+        }
+        // All pixels at once, where that is soon done or not known.
+        let pixels = full.map(f64::from).iter().product::<f64>();
+        let soon = self.whole_cost.is_none_or(|cost| cost * pixels < SOON.as_secs_f64());
+        Next::Finer(finer(size, full).filter(|_| !soon).unwrap_or(full))
+    }
+
+    /// What trials are of: renderer, scene and size.
+    fn trials_of(&self, document: &Document) -> String {
+        format!("{} {} {:?}", self.setting, document.scene_revision(), document.view().size)
+    }
+
+    /// The work that is due.
+    fn job(&mut self, desk: &mut Desk, next: Next) -> Result<Job, EditError> {
+        let document = &desk.document;
+        let full = document.view().size;
+        let scene_revision = document.scene_revision();
+        let mut view = document.view().clone();
+        let (mut bound, mut rmse) = (None, None);
+        let (stage, task) = match next {
+            Next::Draft => {
+                let slots = &self.slots;
+                let renews = |setting| {
+                    slots.get(&SlotName::Quick(setting)).is_none_or(|slot| slot.scene_revision != scene_revision)
+                };
+                let choice = self.moving.choose(full, |setting| has_quick(document, setting), renews);
+                let Choice { setting, size, .. } = choice;
+                (view.size, view.supersampling, rmse) = (size, 1, choice.rmse);
+                (Stage::Draft, quick(document, setting)?)
+            }
+            Next::Finer(size) => {
+                (view.size, view.supersampling) = (size, 1);
+                let setting = if has_quick(document, WHOLE + 1) { WHOLE + 1 } else { 0 };
+                (Stage::Finer, quick(document, setting)?)
+            }
+            Next::Sharp => (Stage::Sharp, Task::Draw(document.stages()?.sharp, SlotName::Sharp)),
+            Next::Try => {
+                let all = (0..=QUICK.len()).filter_map(|setting| Some((setting, document.quick(setting).ok()??)));
+                // One setting leaves no choice.
+                let all: Vec<_> = Some(all.collect::<Vec<_>>()).filter(|all| all.len() > 1).unwrap_or_default();
+                (Stage::Sharp, Task::Try(all, self.trials_of(document)))
+            }
+            Next::Measure => (Stage::Measured, Task::Measure),
+            Next::Prove => match document.stages()?.proven {
+                Some((renderer, error)) => {
+                    bound = Some(error);
+                    (Stage::Proven, Task::Draw(renderer, SlotName::Proven))
+                }
+                None => (Stage::Measured, Task::Measure),
+            },
+        };
+        let control = if stage > Stage::Draft { self.shared.control() } else { Control::default() };
+        let cancel = control.cancel_flag();
+        let scene = document.scene().clone();
+        // A draft is soon done, and is something to look at; what comes after it is stale with the next edit.
+        desk.stale = (stage > Stage::Draft).then(|| Arc::clone(&cancel));
+        desk.working = Some(cancel);
+        Ok(Job {
+            revision: desk.revision,
+            stage,
+            task,
+            scene,
+            scene_revision,
+            view,
+            full_size: full,
+            bound,
+            rmse,
+            answers: desk.answers.clone(),
+            control,
+        })
+    }
+
     fn work(&mut self, job: &Job) -> Result<(), RenderError> {
-        match &job.renderer {
-            Some(renderer) => self.draw(job, &**renderer, &job.control),
-            None => self.measure(job, &job.control),
+        match &job.task {
+            Task::Draw(renderer, slot) => self.draw(job, (&**renderer, *slot), &job.control),
+            Task::Try(settings, of) => self.try_settings(job, (settings, of), &job.control),
+            Task::Measure => self.measure(job, &job.control),
         }
     }
 
-    /// Draws a picture, and tells of it.
-    fn draw(&mut self, job: &Job, renderer: &dyn Renderer, control: &Control) -> Result<(), RenderError> {
-        let slot = match job.stage {
-            Stage::Draft | Stage::Finer => 0,
-            Stage::Sharp | Stage::Measured => 1,
-            Stage::Proven => 2,
-        };
-        // Prepare what the last picture has not prepared. What is cancelled half-way is made anew.
-        let start = Instant::now();
-        let prepared = match self.slots[slot].take().filter(|slot| slot.setting == job.setting) {
+    /// Takes a renderer that has seen the job's scene out of its slot, or prepares it. What is cancelled half-way is made anew.
+    fn prepared(
+        &mut self,
+        job: &Job,
+        (renderer, slot): (&dyn Renderer, SlotName),
+        control: &Control,
+    ) -> Result<Slot, RenderError> {
+        let bound = job.bound;
+        let prepared = match self.slots.remove(&slot).filter(|slot| slot.bound == bound) {
             Some(mut kept) => {
                 if kept.scene_revision != job.scene_revision {
                     kept.prepared.update(&job.scene, control)?;
@@ -199,25 +328,39 @@ impl Engine {
             }
             None => renderer.prepare(&job.scene, control)?,
         };
+        Ok(Slot { bound, scene_revision: job.scene_revision, prepared })
+    }
+
+    /// Draws a picture, and tells of it.
+    fn draw(
+        &mut self,
+        job: &Job,
+        (renderer, slot): (&dyn Renderer, SlotName),
+        control: &Control,
+    ) -> Result<(), RenderError> {
+        let start = Instant::now();
+        let kept = self.prepared(job, (renderer, slot), control)?;
         let prepare = start.elapsed();
-        let kept = Slot { setting: job.setting.clone(), scene_revision: job.scene_revision, prepared };
-        let prepared = &mut self.slots[slot].insert(kept).prepared;
+        let prepared = &mut self.slots.entry(slot).or_insert(kept).prepared;
         // Draw.
         let start = Instant::now();
         let rendered = prepared.render(&job.view, control)?;
         let time = start.elapsed();
         let rgba = vr_io::screen_rgba(&rendered.frame, job.scene.background);
-        let [w, h] = job.view.size.map(u64::from);
+        let pixels = job.view.size.map(u64::from).iter().product::<u64>();
         // Tell of it.
         let known = |rmse: Option<f64>| rmse.map_or(PictureError::Unknown, |rmse| PictureError::Estimated { rmse });
         let (error, full_size) = match job.stage {
             Stage::Draft | Stage::Finer => {
                 if job.stage == Stage::Draft {
-                    self.pace.measured(w * h, start.elapsed());
+                    self.moving.measured(pixels, start.elapsed().as_secs_f64());
+                } else if job.view.size == job.full_size {
+                    self.whole_cost = Some((prepare + start.elapsed()).as_secs_f64() / pixels as f64);
                 }
                 // A coarser one is hardly nearer to the truth.
                 let as_coarse = self.coarse_rmse.range(coarseness(job.view.size, job.full_size)..).next();
-                (known(as_coarse.map(|(_, rmse)| rmse.hypot(self.sharp_rmse.unwrap_or(0.0)))), job.full_size)
+                let rmse = job.rmse.or(as_coarse.map(|(_, rmse)| *rmse));
+                (known(rmse.map(|rmse| rmse.hypot(self.sharp_rmse.unwrap_or(0.0)))), job.full_size)
             }
             Stage::Proven => {
                 let reference = self.reference.as_ref().filter(|(revision, _)| *revision == job.revision);
@@ -255,6 +398,75 @@ impl Engine {
         Ok(())
     }
 
+    /// Tries settings for moving pictures on the view at rest: their times, and their distances from the sharp picture.
+    fn try_settings(
+        &mut self,
+        job: &Job,
+        (settings, of): (&Settings, &str),
+        control: &Control,
+    ) -> Result<(), RenderError> {
+        let Some((revision, number, sharp)) = self.sharp.take().filter(|(revision, ..)| *revision == job.revision)
+        else {
+            self.moving.tried(of.to_owned(), Vec::new());
+            return Ok(());
+        };
+        let mut trials = Vec::new();
+        let outcome = settings.iter().try_for_each(|(setting, renderer)| {
+            match self.trial(job, (*setting, &**renderer), &sharp, control) {
+                Ok(trial) => trials.extend(trial.map(|trial| (*setting, trial))),
+                Err(RenderError::Cancelled) => return Err(RenderError::Cancelled),
+                // What cannot be drawn so is drawn in another way.
+                Err(_) => {}
+            }
+            Ok(())
+        });
+        self.sharp = Some((revision, number, sharp));
+        outcome?;
+        self.moving.tried(of.to_owned(), trials);
+        Ok(())
+    }
+
+    /// Tries one setting; `None` where the picture is too small for two sizes.
+    fn trial(
+        &mut self,
+        job: &Job,
+        (setting, renderer): (usize, &dyn Renderer),
+        sharp: &Frame,
+        control: &Control,
+    ) -> Result<Option<Trial>, RenderError> {
+        let all = job.full_size.map(f64::from).iter().product::<f64>();
+        let [small, large] = [TRIED[0].min(all / 16.0), TRIED[1].min(all / 4.0)].map(|n| sized(n, job.full_size));
+        let pixels = [small, large].map(|size| size.map(f64::from).iter().product::<f64>());
+        if pixels[0] >= pixels[1] {
+            return Ok(None);
+        }
+        let name = SlotName::Quick(setting);
+        let is_known = self.slots.get(&name).is_some_and(|slot| slot.scene_revision == job.scene_revision);
+        let start = Instant::now();
+        let kept = self.prepared(job, (renderer, name), control)?;
+        let prepared = &mut self.slots.entry(name).or_insert(kept).prepared;
+        let mut drawn = |size| {
+            let start = Instant::now();
+            let frame = prepared.render(&View { size, supersampling: 1, ..job.view.clone() }, control)?.frame;
+            Ok::<_, RenderError>((start.elapsed(), frame))
+        };
+        // The first picture may prepare what depends on the view.
+        drawn(small)?;
+        let first = start.elapsed();
+        let (quick, coarse) = drawn(small)?;
+        let rmse = rmse_upsampled(&coarse, sharp);
+        let known = self.moving.trial(setting).filter(|_| is_known);
+        let renewal = known.map_or_else(|| first.saturating_sub(quick).as_secs_f64(), |trial| trial.renewal);
+        let quick_seconds = quick.as_secs_f64();
+        let (seconds, rmse) = if quick > LONG {
+            ([quick_seconds, quick_seconds * pixels[1] / pixels[0]], [rmse; 2])
+        } else {
+            let (time, fine) = drawn(large)?;
+            ([quick_seconds, time.as_secs_f64()], [rmse, rmse_upsampled(&fine, sharp)])
+        };
+        Ok(Some(Trial { pixels, seconds, rmse, renewal }))
+    }
+
     /// Compares the sharp picture with the reference.
     fn measure(&mut self, job: &Job, control: &Control) -> Result<(), RenderError> {
         let Some((revision, picture, frame)) = &self.sharp else { return Ok(()) };
@@ -285,45 +497,21 @@ fn coarseness(size: [u32; 2], full: [u32; 2]) -> i32 {
     f64::log2(f64::from(full[1]) / f64::from(size[1])).round() as i32
 }
 
-/// The work of a stage on a picture of a size.
-fn job(desk: &mut Desk, (stage, size): (Stage, [u32; 2]), shared: &Arc<Shared>) -> Result<Job, EditError> {
-    let document = &desk.document;
-    let mut view = View { size, ..document.view().clone() };
-    let mut bound = None;
-    let renderer = match stage {
-        Stage::Draft | Stage::Finer => {
-            view.supersampling = 1;
-            Some(document.stages()?.draft)
-        }
-        Stage::Sharp => Some(document.stages()?.sharp),
-        Stage::Measured => None,
-        Stage::Proven => document.stages()?.proven.map(|(renderer, error)| {
-            bound = Some(error);
-            renderer
-        }),
-    };
-    let file = document.file();
-    let control = if stage > Stage::Draft { shared.control() } else { Control::default() };
-    let cancel = control.cancel_flag();
-    // A draft is soon done, and is something to look at; what comes after it is stale with the next edit.
-    desk.stale = (stage > Stage::Draft).then(|| Arc::clone(&cancel));
-    desk.working = Some(cancel);
-    Ok(Job {
-        revision: desk.revision,
-        stage,
-        scene: document.scene().clone(),
-        scene_revision: document.scene_revision(),
-        view,
-        renderer,
-        full_size: document.view().size,
-        bound,
-        setting: format!(
-            "{} {} {:?} {bound:?}",
-            document.volume_revision(),
-            document.renderer_name(),
-            file.render.options
-        ),
-        answers: desk.answers.clone(),
-        control,
+/// Identity of volume, renderer and options.
+fn setting_of(document: &Document) -> String {
+    let options = &document.file_render().options;
+    format!("{} {} {options:?}", document.volume_revision(), document.renderer_name())
+}
+
+/// True if a quick setting draws a document's scene.
+fn has_quick(document: &Document, setting: usize) -> bool {
+    document.quick(setting).is_ok_and(|renderer| renderer.is_some())
+}
+
+/// Drawing by a quick setting, or by the renderer's own draft where that does not draw the scene.
+fn quick(document: &Document, setting: usize) -> Result<Task, EditError> {
+    Ok(match document.quick(setting)? {
+        Some(renderer) => Task::Draw(renderer, SlotName::Quick(setting)),
+        None => Task::Draw(document.stages()?.draft, SlotName::Quick(0)),
     })
 }

@@ -1,7 +1,7 @@
 //! Session: a scene that takes edits and gives pictures of itself, each better than the one before while nothing changes.
 //!
-//! A thread draws, or the caller [step by step](Painter). After an edit comes a [draft](Stage::Draft), as large as thirty pictures a second allow; when no edit has come for a tenth of a
-//! second, ever more pixels, then all of them by the renderer's own setting, whose error is then measured against the reference; at last, by renderers that can, a picture
+//! A thread draws, or the caller [step by step](Painter). After an edit comes a [draft](Stage::Draft), by the setting and at the size of least error that thirty pictures a second allow, found by trials at
+//! rest; when no edit has come for a tenth of a second, all pixels by a quick setting, then by the renderer's own, whose error is then measured against the reference; at last, by renderers that can, a picture
 //! each of whose pixels is within a proven bound. What has become stale is cancelled through [`Control`](vr_core::Control).
 
 mod describe;
@@ -14,6 +14,7 @@ mod error_map;
 mod export;
 mod handle;
 mod label_look;
+mod moving;
 mod navigation;
 mod output;
 mod pace;

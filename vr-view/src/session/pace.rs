@@ -3,13 +3,13 @@
 use std::time::Duration;
 
 /// Time of a frame that keeps thirty a second, with a little left for its way to the screen.
-pub const FRAME_TIME: Duration = Duration::from_millis(28);
+pub const FRAME_TIME: Duration = Duration::from_millis(26);
 
 /// Pixels of the first picture of a scene of which no time is known.
 const FIRST_PIXELS: f64 = 96.0 * 96.0;
 
 /// Fewest pixels of a picture: fewer show nothing, and cost little less.
-const MIN_PIXELS: f64 = 48.0 * 48.0;
+pub(super) const MIN_PIXELS: f64 = 48.0 * 48.0;
 
 /// Share of a new measurement in the running mean of the logarithm of the cost: one frame that was held up by another program does not count much.
 const SHARE: f64 = 0.4;
@@ -29,12 +29,12 @@ const NEARLY_WHOLE: f64 = 0.9;
 ///
 /// let mut pace = Pace::default();
 /// for _ in 0..20 {
-///     // A microsecond a pixel: 28 000 of them in the time of a frame.
+///     // A microsecond a pixel: 26 000 of them in the time of a frame.
 ///     let [w, h] = pace.size([800, 600]);
 ///     pace.measured(u64::from(w * h), Duration::from_micros(u64::from(w * h)));
 /// }
 /// let [w, h] = pace.size([800, 600]);
-/// assert!((26_000..30_000).contains(&(w * h)) && (f64::from(w) / f64::from(h) - 4.0 / 3.0).abs() < 0.02);
+/// assert!((24_000..28_000).contains(&(w * h)) && (f64::from(w) / f64::from(h) - 4.0 / 3.0).abs() < 0.02);
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pace {
@@ -47,14 +47,9 @@ pub struct Pace {
 impl Pace {
     /// Width and height of the next moving picture, where those of the picture at rest are `full`: of the same shape, to a pixel.
     pub fn size(&self, full: [u32; 2]) -> [u32; 2] {
-        let [width, height] = full.map(f64::from);
         let affordable = self.cost.map_or(FIRST_PIXELS, |cost| FRAME_TIME.as_secs_f64() / cost.exp());
         let affordable = affordable.min(self.last.map_or(f64::INFINITY, |last| MAX_GROWTH * last));
-        let share = (affordable.max(MIN_PIXELS) / (width * height)).sqrt();
-        if share >= NEARLY_WHOLE {
-            return full;
-        }
-        [width, height].map(|n| ((n * share).round() as u32).max(1))
+        sized(affordable.max(MIN_PIXELS), full)
     }
 
     /// Takes note of the time of a picture.
@@ -64,6 +59,16 @@ impl Pace {
         self.cost = Some(self.cost.map_or(cost, |mean| mean + SHARE * (cost - mean)));
         self.last = Some(pixels);
     }
+}
+
+/// Width and height of a picture of so many pixels, of the shape of the picture at rest, to a pixel; all of it where that is hardly more.
+pub(super) fn sized(pixels: f64, full: [u32; 2]) -> [u32; 2] {
+    let [width, height] = full.map(f64::from);
+    let share = (pixels / (width * height)).sqrt();
+    if share >= NEARLY_WHOLE {
+        return full;
+    }
+    [width, height].map(|n| ((n * share).round() as u32).max(1))
 }
 
 #[cfg(test)]

@@ -220,3 +220,43 @@ fn it_stays_when_told_to_and_says_goodbye() {
     }
     assert_eq!(last["kind"], "bye");
 }
+
+#[test]
+fn a_page_that_says_what_it_has_shown_is_sent_no_more_than_two_pictures_ahead() {
+    let running = Running::new(document("blobs", 16, [40, 30]), true);
+    let mut client = running.connect();
+    let mut words = Vec::new();
+    picture(&mut client, "proven", 0, &mut words);
+    client.send(Message::text(r#"{"shown": 0}"#)).unwrap();
+    for number in 1..=20 {
+        edit(&mut client, number, r#"{"kind": "orbit", "right": 3, "up": 1}"#);
+        std::thread::sleep(Duration::from_millis(40));
+    }
+    // What is refused is answered at once, and tells that all pictures before it have come.
+    client.send(Message::text("nonsense")).unwrap();
+    let mut numbers = Vec::new();
+    loop {
+        match client.read().unwrap() {
+            Message::Binary(bytes) => numbers.push(taken_apart(&bytes).0["picture"].as_u64().unwrap()),
+            Message::Text(text) if text.contains("refused") => break,
+            _ => {}
+        }
+    }
+    assert_eq!(numbers.len(), 2, "{numbers:?}");
+    // Nothing is lost by that: the last picture of all comes when these are shown.
+    for shown in numbers {
+        client.send(Message::text(format!(r#"{{"shown": {shown}}}"#))).unwrap();
+    }
+    let end = Instant::now() + PATIENCE;
+    let is_last = |head: &Value| head["stage"] == "proven" && head["answers"] == 20;
+    loop {
+        assert!(Instant::now() < end, "no picture in time");
+        let Message::Binary(bytes) = client.read().unwrap() else { continue };
+        let (head, _) = taken_apart(&bytes);
+        if is_last(&head) {
+            break;
+        }
+        client.send(Message::text(format!(r#"{{"shown": {}}}"#, head["picture"]))).unwrap();
+    }
+    running.end();
+}
