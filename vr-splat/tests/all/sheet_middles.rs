@@ -83,3 +83,27 @@ fn what_is_left_out_cannot_be_seen() {
         }
     }
 }
+
+#[test]
+fn a_low_pass_shows_a_voxel_in_cells_that_its_own_kernel_does_not_reach() {
+    let placement = Placement::from_spacing([1.0; 3]).unwrap();
+    let mut samples = vec![0.0f32; 15 * 15 * 15];
+    samples[(7 * 15 + 7) * 15 + 7] = 1.0;
+    let grid = UniformGrid::new([15; 3], samples, placement, Calibration::default()).unwrap();
+    let points = |faint: f64| {
+        vec![ControlPoint::new(0.002, [1.0, 0.4, 0.1], faint), ControlPoint::new(0.2, [0.2, 0.8, 1.0], 0.9)]
+    };
+    let scene = |faint| TransferFunction::new(points(faint), OpacityRule::Extinction, 1.0).unwrap();
+    let some = Scene::new(grid.into(), scene(0.0));
+    // With a faint opacity every cell is visible.
+    let all = Scene { transfer: Arc::new(scene(1e-12)), ..some.clone() };
+    let renderer =
+        Splatter { kernel: SplatKernel::new(Shape::Gaussian), low_pass: 9.0, termination: 1.0, ..Splatter::default() };
+    for fov in [None, Some(40.0)] {
+        let view = view(&some, 33.0, 21.0, fov, 64);
+        let [some, all] = [&some, &all].map(|scene| draw(&renderer, scene, &view).frame);
+        let pairs = some.pixels().iter().flatten().zip(all.pixels().iter().flatten());
+        let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(off < 1e-5, "{fov:?}: {off:e}");
+    }
+}
