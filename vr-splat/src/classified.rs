@@ -37,7 +37,14 @@ pub(crate) enum Visible {
 }
 
 impl Classified {
-    pub(crate) fn new(renderer: &Splatter, scene: &Scene, input: &SplatInput, ghosts: Option<&Ghosts>) -> Self {
+    /// Tables of a scene, and what is visible of it where voxels' kernels reach so far.
+    pub(crate) fn new(
+        renderer: &Splatter,
+        scene: &Scene,
+        input: &SplatInput,
+        ghosts: Option<&Ghosts>,
+        reach: [f64; 3],
+    ) -> Self {
         let transfer = &scene.transfer;
         let (offset, calibration) = offset(input);
         let (integer, field, carried) = match input {
@@ -82,7 +89,7 @@ impl Classified {
                 let all = picks && !single || (shows_all && grid.vacuum_cells().is_none());
                 let beyond = if ghosts.is_some() { BEYOND } else { 0 };
                 let vacuum = Vacuum { cells: grid.vacuum_cells(), dims: grid.dims(), beyond };
-                let find = FindVisible { renderer, grid, vacuum, seen: &seen, picks };
+                let find = FindVisible { renderer, grid, vacuum, seen: &seen, picks, reach };
                 Visible::Voxels(match ghosts {
                     _ if all => VisibleVoxels::all(vacuum),
                     Some(ghosts) => find.visit(ghosts.lattice()),
@@ -126,6 +133,8 @@ struct FindVisible<'a> {
     seen: &'a VisibleLevels,
     /// True if every value may be picked, whether it can be seen or not.
     picks: bool,
+    /// Reach of kernels along the grid's axes, in voxels.
+    reach: [f64; 3],
 }
 
 impl LatticeVisitor for FindVisible<'_> {
@@ -136,7 +145,7 @@ impl LatticeVisitor for FindVisible<'_> {
             let shows = |value: f64| self.picks || self.seen.any(value, value);
             return VisibleVoxels::single(&lattice, &missing(self.grid), &shows);
         }
-        let reach = self.renderer.kernel.reach();
+        let reach = self.reach;
         // A sheet parallel to the image has the field's value in its middle, one of the volume's own a mean over whole kernels.
         let beyond = match self.renderer.buffers {
             Buffers::Image => 0.0,

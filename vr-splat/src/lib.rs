@@ -14,6 +14,7 @@
 //!    of linear weights and of B-splines are integrated by rules that are exact for their pieces, or next to it. Where values of a grid are classified in sheets
 //!    parallel to the image, weights are divided out, and each kernel is taken in the middle of a sheet: radial ones by their formula.
 //!    Of scattered points with cubic splines or Gaussians, a ray's chord is looked up once, and each sheet costs a polynomial in its place on the chord.
+//!    Where rays are parallel, sections of cubic splines are sums of products: powers of the ray's distance times factors of the sheet's place.
 //! 4. **Tiles** of 32² pixels, in parallel: splats are binned, sorted by sheet (radix), and added to a ring of sheets, four by four pixels to a vector.
 //!    Blocks of 16 pixels that are opaque take no more. No bit depends on the number of threads.
 //!
@@ -115,6 +116,7 @@ mod ramps;
 mod renderer;
 mod rim_section;
 mod sample_shader;
+mod section_factors;
 mod section_table;
 mod shading;
 mod sheets;

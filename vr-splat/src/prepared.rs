@@ -23,7 +23,7 @@ use crate::model::SplatModel;
 use crate::point_lights::{GradientsAtPoints, point_lights};
 use crate::projection::SplatView;
 use crate::shading::Shader;
-use crate::sheets::{ImageSheets, MIN_MET, OwnSheets, takes_middles};
+use crate::sheets::{ImageSheets, MIN_MET, OwnSheets, reach_in_view, takes_middles};
 use crate::source::{GridSplats, PointSplats, Source, Spread};
 use crate::splatter::{Buffers, CompositingOrder, Splatter};
 use crate::tile::{Bounds, Classifier, Content, FootprintKernel, Painter, SplatLight, VisibleCells};
@@ -40,6 +40,8 @@ pub(crate) struct PreparedSplatter {
     input: SplatInput,
     level: Level,
     kernel: FootprintKernel,
+    /// Reach of voxels' kernels for which cells were found visible.
+    reach: [f64; 3],
     classified: Classified,
     ghosts: Option<Ghosts>,
     /// Stages since the last picture, and their times.
@@ -54,12 +56,29 @@ impl PreparedSplatter {
         let mut stats = RenderStats::default();
         let kernel = stats.time("kernel", || FootprintKernel::new(&profile(&renderer, &input)));
         let ghosts = stats.time("filter", || control.run(|| Ghosts::new(&renderer, &input)));
-        let classified =
-            stats.time("classify", || control.run(|| Classified::new(&renderer, scene, &input, ghosts.as_ref())));
+        // A low-pass may widen kernels in a view: that is seen to when there is one.
+        let reach = renderer.kernel.reach();
+        let make = || Classified::new(&renderer, scene, &input, ghosts.as_ref(), reach);
+        let classified = stats.time("classify", || control.run(make));
         let (scene, level) = (scene.clone(), Level::new());
-        let mut made = Self { given, renderer, scene, input, level, kernel, classified, ghosts, stats };
+        let mut made = Self { given, renderer, scene, input, level, kernel, reach, classified, ghosts, stats };
         made.prepare_gradients(control);
         Ok(made)
+    }
+
+    /// Finds what is visible anew if a low-pass makes kernels reach farther in a view, or less far, than they did.
+    fn fit_reach(&mut self, view: &View, control: &Control) -> Result<(), ParameterError> {
+        if self.renderer.low_pass == 0.0 || self.renderer.splats_light() || matches!(self.input, SplatInput::Points(_))
+        {
+            return Ok(());
+        }
+        let reach = reach_in_view(&self.renderer, &self.scene.volume, &self.splat_view(view)?);
+        if reach != self.reach {
+            let make = || Classified::new(&self.renderer, &self.scene, &self.input, self.ghosts.as_ref(), reach);
+            self.classified = self.stats.time("classify", || control.run(make));
+            self.reach = reach;
+        }
+        Ok(())
     }
 
     /// Finds the gradients at points that the scene's light depends on, so that the first frame does not pay for them.
@@ -83,8 +102,8 @@ impl Prepared for PreparedSplatter {
         }
         let picks = |scene: &Scene| !scene.compositing.integrates_light();
         if self.scene.transfer != scene.transfer || picks(scene) != picks(&self.scene) {
-            let (renderer, ghosts) = (&self.renderer, self.ghosts.as_ref());
-            let make = || Classified::new(renderer, scene, &input, ghosts);
+            let (renderer, ghosts, reach) = (&self.renderer, self.ghosts.as_ref(), self.reach);
+            let make = || Classified::new(renderer, scene, &input, ghosts, reach);
             self.classified = self.stats.time("classify", || control.run(make));
         }
         (self.scene, self.input) = (scene.clone(), input);
@@ -95,6 +114,7 @@ impl Prepared for PreparedSplatter {
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
         check_view(view)?;
         control.check()?;
+        self.fit_reach(view, control)?;
         let mut stats = std::mem::take(&mut self.stats);
         let frame = match (&self.input, &self.classified.visible) {
             (SplatInput::Grid(grid), Visible::Voxels(voxels)) => {

@@ -55,6 +55,33 @@ pub(crate) fn splat_view(
     }
 }
 
+/// Largest depth of a corner of a volume.
+fn deepest(volume: &Volume, view: &SplatView) -> f64 {
+    let (low, high) = volume.bounds();
+    let corner = |i: usize| {
+        let pick = |a: usize| if i >> a & 1 == 0 { low[a] } else { high[a] };
+        view.place(DVec3::new(pick(0), pick(1), pick(2))).z
+    };
+    (0..8).map(corner).fold(0.0, f64::max)
+}
+
+/// Factor by which a low-pass widens a voxel's kernel at a depth: radii add in squares, in units of what a kernel's radius is on average.
+pub(crate) fn widening(renderer: &Splatter, view: &SplatView, depth: f64) -> f64 {
+    let size = view.kernel.axes.determinant().abs().cbrt();
+    1f64.hypot(renderer.low_pass * view.pixel_at(depth) * size)
+}
+
+/// Reach of voxels' kernels in a view, in voxels along each axis. Where a low-pass widens kernels it is that of the widest, rounded up to whole voxels: views that
+/// differ little share the cells that are found visible.
+pub(crate) fn reach_in_view(renderer: &Splatter, volume: &Volume, view: &SplatView) -> [f64; 3] {
+    let reach = renderer.kernel.reach();
+    if renderer.low_pass == 0.0 {
+        return reach;
+    }
+    let widening = widening(renderer, view, deepest(volume, view));
+    reach.map(|reach| (reach * widening).ceil())
+}
+
 /// Sheets parallel to the image.
 pub(crate) struct ImageSheets {
     /// From one to the next, in the view's units.
@@ -72,22 +99,13 @@ impl ImageSheets {
         view: &SplatView,
     ) -> Result<Self, ParameterError> {
         let distance = renderer.slice_spacing;
-        let (low, high) = volume.bounds();
-        let corner = |i: usize| {
-            let pick = |a: usize| if i >> a & 1 == 0 { low[a] } else { high[a] };
-            view.place(DVec3::new(pick(0), pick(1), pick(2))).z
-        };
-        let deepest = (0..8).map(corner).fold(0.0, f64::max);
-        let low_pass = renderer.low_pass * view.pixel_at(deepest);
+        let deepest = deepest(volume, view);
         // Half the depth of the deepest kernel, widened as it is at the far end.
         let half = match input {
-            SplatInput::Grid(_) => {
-                let size = view.kernel.axes.determinant().abs().cbrt();
-                view.half_depth() * 1f64.hypot(low_pass * size)
-            }
+            SplatInput::Grid(_) => view.half_depth() * widening(renderer, view, deepest),
             SplatInput::Points(points) => {
                 let max_radius = points.radii().iter().fold(0.0f32, |m, &r| m.max(r));
-                (f64::from(max_radius) / view.unit).hypot(low_pass)
+                (f64::from(max_radius) / view.unit).hypot(renderer.low_pass * view.pixel_at(deepest))
             }
         };
         let (count, ring) = (((deepest + half) / distance).ceil() + 1.0, (2.0 * half / distance).ceil() + 2.0);

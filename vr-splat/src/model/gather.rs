@@ -8,7 +8,7 @@ use crate::ghosts::{BEYOND, Ghosts};
 use crate::input::SplatInput;
 use crate::kernel::Profile;
 use crate::projection::SplatView;
-use crate::sheets::OwnSheets;
+use crate::sheets::{OwnSheets, widening};
 use crate::splatter::Splatter;
 use crate::visible::missing;
 
@@ -159,8 +159,7 @@ pub(crate) fn gather(
             let missing = missing(grid);
             let calibration = grid.calibration();
             let beyond = DVec3::splat(ghosts.map_or(0.0, |_| BEYOND as f64));
-            let size = view.kernel.axes.determinant().abs().cbrt();
-            let widened = |depth: f64| 1f64.hypot(renderer.low_pass * view.pixel_at(depth) * size);
+            let widened = |depth: f64| widening(renderer, view, depth);
             // Kernels are widest where pixels are: at the deepest corner of the grid.
             let last = grid.dims().map(|n| (n - 1) as f64);
             let deepest = origin.z + (0..3).map(|a| (steps[a].z * last[a]).max(0.0)).sum::<f64>();

@@ -13,6 +13,7 @@ use crate::splat::Splat;
 
 use super::Tile;
 use super::footprint::Passing;
+use super::products::smallest;
 use super::sheets::Section;
 
 /// Chords of sixteen rays through a kernel.
@@ -205,13 +206,4 @@ impl Tile<'_> {
             (before, start) = (after, end);
         }
     }
-}
-
-/// The smallest of sixteen numbers.
-#[inline(always)]
-fn smallest<S: Simd>(all: f32x16<S>) -> f32 {
-    let (low, high) = all.split();
-    let (low, high) = low.min(high).split();
-    let four = low.min(high).to_array();
-    four[0].min(four[1]).min(four[2].min(four[3]))
 }

@@ -7,6 +7,7 @@ use vr_kernels::vector::{LANES, Lanes, pick, splat};
 use crate::chord_table::ChordTable;
 use crate::kernel::Profile;
 use crate::projection::SplatView;
+use crate::section_factors::SectionFactors;
 use crate::section_table::SectionTable;
 use crate::splat::Splat;
 use crate::tile::block::Block;
@@ -14,8 +15,8 @@ use crate::tile::block::Block;
 /// A kernel, prepared for its footprints.
 pub(crate) enum FootprintKernel {
     Radial(SectionTable),
-    /// Adds the sections of points that are looked up by chords.
-    Smooth(SectionTable, ChordTable),
+    /// Adds the sections of points that are looked up by chords, and factors of sections along parallel rays, if there are any.
+    Smooth(SectionTable, ChordTable, Option<SectionFactors>),
     Bilinear,
     BSpline,
     Box,
@@ -34,7 +35,7 @@ impl FootprintKernel {
     pub(crate) fn new(profile: &Profile) -> Self {
         match profile {
             Profile::Radial(radial) => match ChordTable::new(radial) {
-                Some(chords) => Self::Smooth(SectionTable::new(radial), chords),
+                Some(chords) => Self::Smooth(SectionTable::new(radial), chords, SectionFactors::new(radial)),
                 None => Self::Radial(SectionTable::new(radial)),
             },
             Profile::Bilinear => Self::Bilinear,
@@ -314,7 +315,7 @@ pub(crate) fn whole<S: Simd>(
 ) -> Option<f32x16<S>> {
     let to = to.max(from);
     match kernel {
-        FootprintKernel::Radial(table) | FootprintKernel::Smooth(table, _) => {
+        FootprintKernel::Radial(table) | FootprintKernel::Smooth(table, ..) => {
             let passing = Passing::new(simd, axes, block, at)?;
             // Nowhere negative; tables and rounding might be.
             let section = passing.up_to(simd, table, to) - passing.up_to(simd, table, from);

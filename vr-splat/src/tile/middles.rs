@@ -182,7 +182,7 @@ impl Tile<'_> {
 
     /// True if nothing cuts any ray of a block within some sheets.
     #[inline(always)]
-    fn is_uncut(&self, number: usize, [first, last]: [u32; 2]) -> bool {
+    pub(super) fn is_uncut(&self, number: usize, [first, last]: [u32; 2]) -> bool {
         let [from, to] = self.blocks[number].uncut;
         let distance = self.painter.distance;
         from <= first as f32 * distance && (last + 1) as f32 * distance <= to

@@ -7,6 +7,7 @@ mod footprint;
 mod fragments;
 mod middles;
 mod painter;
+mod products;
 mod sheets;
 mod sighted;
 mod sloped_mean;

@@ -11,6 +11,7 @@ use crate::splatter::Buffers;
 
 use super::footprint::{Crossing, FootprintKernel, Passing};
 use super::fragments::{self, Fragments};
+use super::products::SheetProducts;
 use super::{Tile, sloped_mean};
 
 /// The part of a splat in a sheet, for sixteen rays.
@@ -33,10 +34,17 @@ impl Tile<'_> {
         let (mut next, mut open) = (0, 0);
         // Rays of small kernels, where sheets hold what these can be added to.
         let takes_apart = match painter.kernel {
-            FootprintKernel::Smooth(_, chords) if self.channels == fragments::CHANNELS => Some(chords),
+            FootprintKernel::Smooth(_, chords, _) if self.channels == fragments::CHANNELS => Some(chords),
             _ => None,
         };
         let mut fragments = Fragments::NONE;
+        // Kernels along parallel rays, but where values are picked: beside a support sums of products may be a hair below 0.
+        let is_factored = takes_apart.is_some() && self.axes.round().is_some() && !painter.operator.picks();
+        let factors = match painter.kernel {
+            FootprintKernel::Smooth(_, _, factors) if is_factored => factors.as_ref(),
+            _ => None,
+        };
+        let mut products = SheetProducts::NONE;
         for (i, Keyed { key, splat }) in splats.iter().enumerate() {
             if let Some(chords) = takes_apart.filter(|_| next < *key && next < open) {
                 self.add_fragments(simd, chords, &mut fragments);
@@ -68,10 +76,18 @@ impl Tile<'_> {
                 self.add_middles(simd, weight, splat, (takers, blocks), [*key, last]);
                 continue;
             }
+            if let Some(factors) = factors {
+                self.set_products(simd, factors, &mut products, splat, [*key, last]);
+            }
             while takers != 0 {
                 let number = takers.trailing_zeros() as usize;
                 takers &= takers - 1;
-                if self.takes_in_sight(simd, number, blocks, [*key, last]) {
+                if !self.takes_in_sight(simd, number, blocks, [*key, last]) {
+                    continue;
+                }
+                if factors.is_some() && self.is_uncut(number, [*key, last]) {
+                    self.add_products(simd, &products, splat, number);
+                } else {
                     self.add_sections(simd, number, splat, *key, last);
                 }
             }
@@ -93,10 +109,10 @@ impl Tile<'_> {
         let carried = painter.carried(splat_);
         let channels = self.channels;
         match painter.kernel {
-            FootprintKernel::Smooth(_, chords) if painter.summed_gradient().is_some() => {
+            FootprintKernel::Smooth(_, chords, _) if painter.summed_gradient().is_some() => {
                 self.add_chords::<true, S>(simd, chords, number, splat_, carried, [first, last]);
             }
-            FootprintKernel::Smooth(_, chords) => {
+            FootprintKernel::Smooth(_, chords, _) => {
                 self.add_chords::<false, S>(simd, chords, number, splat_, carried, [first, last]);
             }
             // Differences of partial integrals from one sheet's face to the next.
@@ -242,7 +258,7 @@ fn cover<S: Simd>(simd: S, [to_back, to_front]: [&mut Lanes; 2], [[start, end], 
 
 /// Takes note of what a support covers of a sheet, and returns true if nothing of it is left uncovered on any of the rays.
 #[inline(always)]
-fn covers_all<S: Simd>(simd: S, [to_back, to_front]: [&mut Lanes; 2], reach: [[f32x16<S>; 2]; 2]) -> bool {
+pub(super) fn covers_all<S: Simd>(simd: S, [to_back, to_front]: [&mut Lanes; 2], reach: [[f32x16<S>; 2]; 2]) -> bool {
     cover(simd, [to_back, to_front], reach);
     let [[start, end], _] = reach;
     let all = end - start;

@@ -57,7 +57,10 @@ fn pictures_are_what_the_model_sums() {
 
 #[test]
 fn what_is_left_out_cannot_be_seen() {
-    for (spacing, threshold) in [([1.0; 3], 0.55), ([0.7, 1.0, 1.9], 0.6)] {
+    // With a low-pass of pixels smaller than voxels, and of as large ones.
+    let cases =
+        [([1.0; 3], 0.55, 0.0), ([0.7, 1.0, 1.9], 0.6, 0.0), ([1.0; 3], 0.55, 3.0), ([0.7, 1.0, 1.9], 0.6, 9.0)];
+    for (spacing, threshold, low_pass) in cases {
         let scene = scene(spacing, threshold);
         // The same scene with a faint opacity where there was none: every cell is visible, and the picture changes by less than the tolerance.
         let mut points = scene.transfer.points().to_vec();
@@ -65,15 +68,42 @@ fn what_is_left_out_cannot_be_seen() {
         let transfer = TransferFunction::new(points, scene.transfer.rule(), scene.transfer.unit_distance()).unwrap();
         let everything = Scene { transfer: Arc::new(transfer), ..scene.clone() };
         for kernel in kernels() {
-            let renderer = Splatter { kernel, termination: 1.0, ..Splatter::default() };
+            let renderer = Splatter { kernel, low_pass, termination: 1.0, ..Splatter::default() };
             for fov in [None, Some(40.0)] {
                 let view = view(&scene, 33.0, 21.0, fov, 64);
                 let (some, all) = (draw(&renderer, &scene, &view), draw(&renderer, &everything, &view));
                 let pairs = some.frame.pixels().iter().flatten().zip(all.frame.pixels().iter().flatten());
                 let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-                println!("{:?}: {} of {}, {off:e}", kernel, some.stats.counts.samples, all.stats.counts.samples);
-                assert!(off < 1e-5, "{kernel:?} {spacing:?} {fov:?}: {off:e}");
+                println!(
+                    "{:?}, {low_pass}: {} of {}, {off:e}",
+                    kernel, some.stats.counts.samples, all.stats.counts.samples
+                );
+                assert!(off < 1e-5, "{kernel:?} {spacing:?} {low_pass} {fov:?}: {off:e}");
             }
         }
+    }
+}
+
+#[test]
+fn a_low_pass_shows_a_voxel_in_cells_that_its_own_kernel_does_not_reach() {
+    let placement = Placement::from_spacing([1.0; 3]).unwrap();
+    let mut samples = vec![0.0f32; 15 * 15 * 15];
+    samples[(7 * 15 + 7) * 15 + 7] = 1.0;
+    let grid = UniformGrid::new([15; 3], samples, placement, Calibration::default()).unwrap();
+    let points = |faint: f64| {
+        vec![ControlPoint::new(0.002, [1.0, 0.4, 0.1], faint), ControlPoint::new(0.2, [0.2, 0.8, 1.0], 0.9)]
+    };
+    let scene = |faint| TransferFunction::new(points(faint), OpacityRule::Extinction, 1.0).unwrap();
+    let some = Scene::new(grid.into(), scene(0.0));
+    // With a faint opacity every cell is visible.
+    let all = Scene { transfer: Arc::new(scene(1e-12)), ..some.clone() };
+    let renderer =
+        Splatter { kernel: SplatKernel::new(Shape::Gaussian), low_pass: 9.0, termination: 1.0, ..Splatter::default() };
+    for fov in [None, Some(40.0)] {
+        let view = view(&some, 33.0, 21.0, fov, 64);
+        let [some, all] = [&some, &all].map(|scene| draw(&renderer, scene, &view).frame);
+        let pairs = some.pixels().iter().flatten().zip(all.pixels().iter().flatten());
+        let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(off < 1e-5, "{fov:?}: {off:e}");
     }
 }
