@@ -4,6 +4,8 @@ use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use vr_core::memory::MemoryError;
+
 use crate::error::{on_one_line, shown_path};
 
 /// The reason why a file gives no picture. Every message is one line that names the file.
@@ -56,6 +58,14 @@ pub enum PictureError {
         size: [u64; 2],
         /// Length of the file in bytes.
         length: u64,
+    },
+    /// Too little memory for the picture.
+    #[error("{}: {source}", shown_path(path))]
+    Memory {
+        /// The file.
+        path: PathBuf,
+        /// Its size, and the memory that is left.
+        source: MemoryError,
     },
     /// An EXR file without colours.
     #[error("{}: channels: found {found}; R, G and B or Y are needed", shown_path(path))]

@@ -59,6 +59,7 @@ pub(super) fn read(origin: Origin<'_>, file: BufReader<RegularFile>) -> Result<P
         let size = [shown_width as u64, shown_height as u64];
         return Err(PictureError::Size { path: path.into(), size, length: origin.length });
     }
+    origin.check_memory(pixels, 0)?;
 
     // Prepare the display window.
     let data_position = header.own_attributes.layer_position;

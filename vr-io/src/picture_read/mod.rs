@@ -8,7 +8,7 @@ mod stored;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
-use vr_core::Frame;
+use vr_core::{Frame, memory};
 
 use crate::png::Encode;
 use crate::regular_file::{self, RegularFile};
@@ -99,13 +99,19 @@ struct Origin<'a> {
 }
 
 impl Origin<'_> {
-    /// Checks the size that a header claims against the length of the file: called before anything is allocated for it.
+    /// Checks the size that a header claims against the length of the file, and against the memory that is left: called before anything is allocated for it.
     fn check(self, size: [u64; 2], bytes_per_pixel: u64, bytes_per_byte: u64) -> Result<(), PictureError> {
         let pixels = size[0].saturating_mul(size[1]);
         let max_bytes = self.length.saturating_mul(bytes_per_byte);
         if pixels == 0 || pixels > MAX_PIXELS || pixels.saturating_mul(bytes_per_pixel) > max_bytes {
             return Err(PictureError::Size { path: self.path.into(), size, length: self.length });
         }
-        Ok(())
+        self.check_memory(pixels, bytes_per_pixel)
+    }
+
+    /// Checks that there is memory for the pixels as the file has them, and for those of a frame.
+    fn check_memory(self, pixels: u64, bytes_per_pixel: u64) -> Result<(), PictureError> {
+        let bytes = pixels.saturating_mul(bytes_per_pixel.saturating_add(size_of::<[f32; 4]>() as u64));
+        memory::check("the picture", bytes).map_err(|source| PictureError::Memory { path: self.path.into(), source })
     }
 }

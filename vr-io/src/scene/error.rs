@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use vr_core::ParameterError;
 use vr_core::memory::MemoryError;
 
-use crate::error::{FileError, shown, shown_path};
+use crate::error::{FileError, shown, shown_path, shown_with_quotes};
 use crate::picture_read::PictureError;
 
 use super::wrong_value::explained;
@@ -102,7 +102,7 @@ fn nearest<'a>(word: &str, known: &'a [impl AsRef<str>]) -> Option<&'a str> {
 /// Makes the complaint about a name that is not known, with the known one most like it.
 pub(super) fn unknown_name(field: &str, name: &str, known: &[&str], allowed: &'static str) -> ParameterError {
     let near = nearest(name, known).map_or_else(String::new, |n| format!(" (did you mean '{n}'?)"));
-    ParameterError { field: field.into(), found: format!("'{name}'{near}"), allowed }
+    ParameterError { field: field.into(), found: format!("'{}'{near}", shown_with_quotes(name)), allowed }
 }
 
 /// `file: line 3: `, as far as it is known.

@@ -4,13 +4,14 @@
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::error::{shown, shown_with_quotes};
+use crate::error::{on_one_line, shown, shown_with_quotes};
 
 use super::key_help::{Absent, KeyHelp, sections};
 
 /// Returns a message about the value at a place in a text, of what serde says about it; as it is where the text is no TOML.
 pub(super) fn explained(message: &str, text: &str, at: usize) -> String {
-    let message = message.replace('\n', " ");
+    // It may quote the file.
+    let message = on_one_line(&message.replace('\n', " ")).into_owned();
     // A check of the section's own says all of it.
     if message.contains(": found ") {
         return message;
@@ -187,6 +188,22 @@ mod tests {
             let types = ["f64", "f32", "usize", "u32", "i64", "struct", "enum", "variant", "sequence", "map", "tuple"];
             let found = types.iter().find(|name| refused.contains(*name));
             assert_eq!(found, None, "{refused}");
+        }
+    }
+
+    #[test]
+    fn control_characters_of_names_are_escaped() {
+        for text in [
+            "[volume]\nphantom = \"f\\u001B[31m\\ro\"",
+            "[volume]\nphantom = \"\"\"f\n\u{1b}[31m\ro\"\"\"",
+            "[render]\nrenderer = \"\\u001B[31m\"\ncompositing = \"\\r\\u001B\"",
+            "[volume]\n\"\\u001B[31m\\r\" = 1",
+            "[camera]\n\"\\u001B\" = { \"\\r\" = 1 }",
+        ] {
+            if let Err(refused) = parse_scene(text, Path::new("x.toml")) {
+                let refused = refused.to_string();
+                assert!(!refused.contains(char::is_control), "{refused:?}");
+            }
         }
     }
 
