@@ -233,10 +233,10 @@ impl Setup {
             _ => Failure::usage(message),
         };
         // Choose the renderer: a flag's, the scene file's, or the usual one.
-        let own_name = self.renderer.as_deref().unwrap_or_else(|| self.usual(args));
+        let usual = renderers::usual(&self.scene);
+        let own_name = self.renderer.as_deref().unwrap_or_else(|| self.bounding(usual, args));
         let name = args.renderer.as_deref().unwrap_or(own_name);
         let renderer = renderers::named(name).map_err(|e| complaint(args.renderer.is_some(), e))?;
-        let usual = renderers::usual(&self.scene);
         if args.renderer.is_none() && self.renderer.is_none() && name != usual {
             console.note(&format!("renderer {name}, since {usual} cannot bound the error of this scene; it is slow"));
         }
@@ -297,14 +297,13 @@ impl Setup {
         Ok(Configured { renderer, options, max_error: Some(max_error), stated })
     }
 
-    /// Returns the renderer of a scene for which none is named: the usual one, or, where the error is to be bounded and that one cannot, one that can.
-    fn usual(&self, args: &RendererArgs) -> &'static str {
-        let usual = renderers::usual(&self.scene);
+    /// Returns the usual renderer, or another one if the error is to be bounded and only that one can bound it.
+    fn bounding(&self, usual: &'static str, args: &RendererArgs) -> &'static str {
         let is_bounded = match args.quality {
             Some(quality) => quality == Quality::Proven,
             None => args.max_error.or(self.max_error).is_some(),
         };
-        // Options are for the usual one.
+        // Options belong to the usual renderer.
         if !is_bounded || !args.set.is_empty() || !self.options.0.is_empty() {
             return usual;
         }

@@ -37,7 +37,7 @@ pub(crate) enum Visible {
 }
 
 impl Classified {
-    /// Tables of a scene, and what is visible of it where voxels' kernels reach so far.
+    /// Makes the tables of a scene, and finds what is visible of it, for a reach of voxels' kernels.
     pub(crate) fn new(
         renderer: &Splatter,
         scene: &Scene,

@@ -40,7 +40,7 @@ pub(crate) struct PreparedSplatter {
     input: SplatInput,
     level: Level,
     kernel: FootprintKernel,
-    /// Reach of voxels' kernels for which cells were found visible.
+    /// Reach of voxels' kernels for which visible cells were found.
     reach: [f64; 3],
     classified: Classified,
     ghosts: Option<Ghosts>,
@@ -56,7 +56,7 @@ impl PreparedSplatter {
         let mut stats = RenderStats::default();
         let kernel = stats.time("kernel", || FootprintKernel::new(&profile(&renderer, &input)));
         let ghosts = stats.time("filter", || control.run(|| Ghosts::new(&renderer, &input)));
-        // A low-pass may widen kernels in a view: that is seen to when there is one.
+        // How far a low-pass widens kernels is known when there is a view (`fit_reach`).
         let reach = renderer.kernel.reach();
         let make = || Classified::new(&renderer, scene, &input, ghosts.as_ref(), reach);
         let classified = stats.time("classify", || control.run(make));
@@ -66,7 +66,7 @@ impl PreparedSplatter {
         Ok(made)
     }
 
-    /// Finds what is visible anew if a low-pass makes kernels reach farther in a view, or less far, than they did.
+    /// Finds visible cells anew if a low-pass gives kernels another reach in a view.
     fn fit_reach(&mut self, view: &View, control: &Control) -> Result<(), ParameterError> {
         if self.renderer.low_pass == 0.0 || self.renderer.splats_light() || matches!(self.input, SplatInput::Points(_))
         {

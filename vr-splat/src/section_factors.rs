@@ -7,9 +7,9 @@ use vr_kernels::vector::splat;
 
 use crate::kernel::{Radial, quadrature};
 
-/// Number of products that are summed.
+/// Number of products in a sum.
 const TERMS: usize = 10;
-/// Number of numbers in a row of Bᵣ: a vector of eight and one of four.
+/// Length of a row of Bᵣ: a vector of eight and one of four.
 const ROW: usize = 12;
 /// Number of intervals of z.
 const ALONG: usize = 512;
@@ -23,17 +23,17 @@ pub(crate) type Row = [f32; ROW];
 
 /// G(b, z) = ∫₀ᶻ W along a line that passes the middle of a cubic spline at a distance b, as Σᵣ Aᵣ(b) Bᵣ(z).
 ///
-/// Where rays are parallel, a sheet's faces have the same place z on all of them: differences of Bᵣ are for the sheet, and a section costs little more than a polynomial of
-/// the ray. The sum over all sheets is G at the ends, as it is with any table of G.
+/// Where rays are parallel, a face of a sheet has the same z on all of them, so that the differences of Bᵣ are computed once for a sheet. A section then costs little more than
+/// a polynomial. The sections of all sheets add up to G at the ends, as they do with any table of G.
 ///
-/// Aᵣ are (1 − b)³ to (1 − b)⁷ and (1 − b²)^(7/2), as which G falls towards the rim where z is beyond the chord, and for the kernel's core (1 − 2b)³ to (1 − 2b)⁵ and (1 − 4b²)^(7/2);
-/// each is 0 where its base is negative. The largest error is 6·10⁻⁶ of the longest chord's integral, a fourth of that of a chord's polynomial.
+/// Aᵣ are (1 − b)³ to (1 − b)⁷ and (1 − b²)^(7/2), and for the kernel's core (1 − 2b)³ to (1 − 2b)⁵ and (1 − 4b²)^(7/2); each is 0 where its base is negative. Beyond the chord, G
+/// falls towards the rim as the powers of 7/2 do. The largest error is 6·10⁻⁶ of the longest chord's integral, a fourth of that of a chord's polynomial.
 pub(crate) struct SectionFactors {
     /// Bᵣ, a row for each z, the last one twice.
     along: Vec<Row>,
 }
 
-/// Factors of sixteen rays: of the kernel, and of its core, the base of the powers, its third power, and the factor of seven halves.
+/// Factors of sixteen rays. For the kernel and for its core: the base of the powers, its third power, and the power of 7/2.
 #[derive(Clone, Copy)]
 pub(crate) struct RayFactors<S: Simd> {
     outer: [f32x16<S>; 3],
@@ -142,7 +142,7 @@ fn integrals_along(radial: &Radial, b: f64) -> Vec<f64> {
     (0..=ALONG).map(up_to).collect()
 }
 
-/// For each z the Bᵣ for which Σᵣ Aᵣ Bᵣ comes near to G at all nodes: least squares, whose weights grow where errors are large until the largest errors
+/// Returns, for each z, the Bᵣ for which Σᵣ Aᵣ Bᵣ approximates G at all nodes: by least squares, with weights that grow where errors are large until the largest errors
 /// are about equal (Lawson 1961, "Contributions to the theory of linear least maximum approximation").
 fn fit(powers: &[[f64; TERMS]], integrals: &[Vec<f64>]) -> Vec<[f64; TERMS]> {
     let mut weights = [1.0; FITTED];

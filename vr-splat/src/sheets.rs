@@ -65,21 +65,17 @@ fn deepest(volume: &Volume, view: &SplatView) -> f64 {
     (0..8).map(corner).fold(0.0, f64::max)
 }
 
-/// Factor by which a low-pass widens a voxel's kernel at a depth: radii add in squares, in units of what a kernel's radius is on average.
+/// Factor by which a low-pass widens a voxel's kernel at a depth: the squares of radii add, in units of the kernel's mean radius.
 pub(crate) fn widening(renderer: &Splatter, view: &SplatView, depth: f64) -> f64 {
     let size = view.kernel.axes.determinant().abs().cbrt();
     1f64.hypot(renderer.low_pass * view.pixel_at(depth) * size)
 }
 
-/// Reach of voxels' kernels in a view, in voxels along each axis. Where a low-pass widens kernels it is that of the widest, rounded up to whole voxels: views that
-/// differ little share the cells that are found visible.
+/// Reach of voxels' kernels, in voxels along each axis, with a low-pass: that of the widest in a view, rounded up to whole voxels, so that views that differ little share
+/// their visible cells.
 pub(crate) fn reach_in_view(renderer: &Splatter, volume: &Volume, view: &SplatView) -> [f64; 3] {
-    let reach = renderer.kernel.reach();
-    if renderer.low_pass == 0.0 {
-        return reach;
-    }
     let widening = widening(renderer, view, deepest(volume, view));
-    reach.map(|reach| (reach * widening).ceil())
+    renderer.kernel.reach().map(|reach| (reach * widening).ceil())
 }
 
 /// Sheets parallel to the image.

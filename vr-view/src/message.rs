@@ -30,7 +30,7 @@ impl Request {
     }
 }
 
-/// Message of a page that has shown a picture. A page that says so is sent no picture while two others are on their way to it.
+/// Message of a page that has shown a picture. A page that sends these is sent at most two pictures ahead of the last one that it has shown.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shown {

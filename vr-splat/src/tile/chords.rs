@@ -12,8 +12,7 @@ use crate::rim_section::RimSection;
 use crate::splat::Splat;
 
 use super::Tile;
-use super::footprint::Passing;
-use super::products::smallest;
+use super::footprint::{Passing, smallest};
 use super::sheets::Section;
 
 /// Chords of sixteen rays through a kernel.

@@ -126,6 +126,22 @@ fn beside<S: Simd>(simd: S, axes: &Axes, block: &Block, at: &Splat) -> [f32x16<S
     [x * lever - at.place[0], y * lever - at.place[1]]
 }
 
+/// Squared distances of parallel rays from a splat, of which `square` is that of a unit of the view.
+#[inline(always)]
+pub(super) fn parallel_square<S: Simd>(simd: S, block: &Block, at: &Splat, square: f32) -> f32x16<S> {
+    let (u, v) = (block.lateral[0].load(simd) - at.place[0], block.lateral[1].load(simd) - at.place[1]);
+    (u * u + v * v) * square
+}
+
+/// The smallest of sixteen numbers.
+#[inline(always)]
+pub(super) fn smallest<S: Simd>(all: f32x16<S>) -> f32 {
+    let (low, high) = all.split();
+    let (low, high) = low.min(high).split();
+    let four = low.min(high).to_array();
+    four[0].min(four[1]).min(four[2].min(four[3]))
+}
+
 /// Rays through a radially symmetric kernel.
 pub(crate) struct Passing<S: Simd> {
     /// Distance of the lines from the middle, up to 1.

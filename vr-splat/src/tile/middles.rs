@@ -12,7 +12,7 @@ use crate::kernel::{Gaussian, RadialWeight};
 use crate::splat::Splat;
 
 use super::Tile;
-use super::footprint::Nearest;
+use super::footprint::{Nearest, parallel_square};
 use super::sighted::SightedBlocks;
 
 /// Number of channels of a sheet of values: Σ w f and Σ w.
@@ -106,10 +106,9 @@ impl Tile<'_> {
         factors: &[f32; LANES],
         [first, end]: [u32; 2],
     ) -> u64 {
-        let block = &self.blocks[number];
         let zero = splat(simd, 0.0);
-        let (u, v) = (block.lateral[0].load(simd) - at.place[0], block.lateral[1].load(simd) - at.place[1]);
-        let square = (u * u + v * v) * (self.axes.square()[0] * at.scale * at.scale);
+        let square = self.axes.square()[0] * at.scale * at.scale;
+        let square = parallel_square(simd, &self.blocks[number], at, square);
         let inside = square.simd_lt(splat(simd, 1.0));
         if !inside.any_true() {
             return 0;

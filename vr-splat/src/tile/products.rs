@@ -1,15 +1,16 @@
-//! Sections of points along parallel rays: a factor of each ray times a factor of each sheet, a few times over.
+//! Sections of points along parallel rays, as sums of products of a ray's factor and a sheet's factor.
 //!
 //! Factors of rays are computed once for a splat and block, those of sheets are looked up once for a splat.
 
+use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16};
 use vr_kernels::vector::{Lanes, pick, splat};
 
 use crate::section_factors::{RayFactors, Row, SectionFactors};
 use crate::splat::Splat;
 
 use super::Tile;
+use super::footprint::{parallel_square, smallest};
 use super::fragments::CHANNELS;
 use super::sheets::covers_all;
 
@@ -30,18 +31,18 @@ impl SheetProducts {
 }
 
 impl Tile<'_> {
-    /// Sets the factors of a splat's sheets, where rays are parallel.
+    /// Sets the factors of a splat's sheets, where rays are parallel and a unit of the view has a squared length of `square` in kernel space.
     #[inline(always)]
     pub(super) fn set_products<S: Simd>(
         &self,
         simd: S,
-        factors: &SectionFactors,
+        (factors, square): (&SectionFactors, f32),
         products: &mut SheetProducts,
         at: &Splat,
         [first, last]: [u32; 2],
     ) {
         let painter = self.painter;
-        products.square = self.axes.round().unwrap_or(1.0) * (at.scale * at.scale);
+        products.square = square * (at.scale * at.scale);
         let speed = products.square.sqrt();
         products.radius = 1.0 / speed;
         products.sheets = [first, last];
@@ -59,10 +60,8 @@ impl Tile<'_> {
     #[inline(always)]
     pub(super) fn add_products<S: Simd>(&mut self, simd: S, products: &SheetProducts, at: &Splat, number: usize) {
         let painter = self.painter;
-        let block = &self.blocks[number];
         let one = splat(simd, 1.0);
-        let (u, v) = (block.lateral[0].load(simd) - at.place[0], block.lateral[1].load(simd) - at.place[1]);
-        let square = (u * u + v * v) * products.square;
+        let square = parallel_square(simd, &self.blocks[number], at, products.square);
         let nearest = smallest(square);
         if nearest >= 1.0 {
             return;
@@ -87,7 +86,7 @@ impl Tile<'_> {
         if is_filled {
             return;
         }
-        // What supports cover of sheets that are not covered all through.
+        // Record what the support covers of sheets that are not covered wholly.
         let half = (one - square).max(splat(simd, 0.0)).sqrt() * products.radius;
         let inside = square.simd_lt(one);
         let enter = pick(inside, splat(simd, at.place[2]) - half, splat(simd, f32::INFINITY));
@@ -108,13 +107,13 @@ impl Tile<'_> {
     }
 }
 
-/// Place of a face along a kernel, within it.
+/// z of a sheet's face in a kernel, clamped to its support.
 #[inline(always)]
 fn part(face: u32, distance: f32, depth: f32, speed: f32) -> f32 {
     ((face as f32 * distance - depth) * speed).clamp(-1.0, 1.0)
 }
 
-/// Number of the sheet at a depth in sheets, within a range. `as` saturates.
+/// Number of the sheet at a depth in units of sheets, clamped to a range. `as` saturates.
 #[inline(always)]
 fn sheet_at(depth: f32, from: u32, to: u32) -> u32 {
     (depth as i32).max(from as i32).min(to as i32) as u32
@@ -127,7 +126,7 @@ struct Slots {
 }
 
 impl Slots {
-    /// Adds sections to sheets from the first one on. Returns true if all of these are covered all through.
+    /// Adds sections to sheets from the first one on. Returns true if all of these are covered wholly.
     #[inline(always)]
     fn add<const CORE: bool, S: Simd>(
         &self,
@@ -150,13 +149,4 @@ impl Slots {
         }
         open >> self.number & 1 == 0
     }
-}
-
-/// The smallest of sixteen numbers.
-#[inline(always)]
-pub(super) fn smallest<S: Simd>(all: f32x16<S>) -> f32 {
-    let (low, high) = all.split();
-    let (low, high) = low.min(high).split();
-    let four = low.min(high).to_array();
-    four[0].min(four[1]).min(four[2].min(four[3]))
 }

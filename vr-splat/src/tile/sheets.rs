@@ -38,10 +38,11 @@ impl Tile<'_> {
             _ => None,
         };
         let mut fragments = Fragments::NONE;
-        // Kernels along parallel rays, but where values are picked: beside a support sums of products may be a hair below 0.
-        let is_factored = takes_apart.is_some() && self.axes.round().is_some() && !painter.operator.picks();
+        // Factors, where rays are parallel; not where values are picked, since sums of products may be slightly negative near a rim.
         let factors = match painter.kernel {
-            FootprintKernel::Smooth(_, _, factors) if is_factored => factors.as_ref(),
+            FootprintKernel::Smooth(_, _, factors) if takes_apart.is_some() && !painter.operator.picks() => {
+                factors.as_ref().zip(self.axes.round())
+            }
             _ => None,
         };
         let mut products = SheetProducts::NONE;

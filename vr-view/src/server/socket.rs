@@ -24,7 +24,7 @@ const LAST_WORD: Duration = Duration::from_millis(200);
 const MAX_MALFORMED: u32 = 20;
 /// Answers that wait for a client at most.
 const WAITING: usize = 64;
-/// Pictures that are on their way to a client at most, if it tells which ones it has shown: one to be shown, and one to follow it. More of them would wait in
+/// Largest number of pictures on their way to a client that tells which ones it has shown: one to be shown, and one to follow it. More would wait in
 /// a page that is slower than the program, and be old when they are shown.
 const AHEAD: usize = 2;
 
@@ -117,7 +117,7 @@ async fn send(
     pictures.mark_changed();
     let mut opened = Box::pin(service.clone().opened());
     let mut has_opened = false;
-    // Numbers of pictures that a client who tells which ones it has shown is yet to show.
+    // Numbers of the pictures that were sent and not shown yet, if the client tells which ones it has shown.
     let mut ahead: Vec<u64> = Vec::new();
     loop {
         let message = tokio::select! {
@@ -170,7 +170,7 @@ async fn send(
     }
 }
 
-/// True if a message says that a picture was shown, which is passed on.
+/// Passes on that a picture was shown, and returns true, if that is what a message says.
 fn has_shown(text: &str, showing: &watch::Sender<Option<u64>>) -> bool {
     let shown = Shown::read(text);
     if let Some(Shown { shown }) = shown {

@@ -28,7 +28,7 @@ const MAX_HISTORY: usize = 200;
 /// Most volumes that history keeps in memory besides the one that is shown.
 const MAX_FORMER_VOLUMES: usize = 1;
 
-/// Most voxels of a volume of which a second renderer may make something of its own for moving pictures.
+/// Largest number of voxels for which a second renderer is prepared for moving pictures: it may need as much memory as the volume.
 const MAX_VOXELS_BESIDE: usize = 1 << 25;
 
 /// Part of two boxes that must be common for a camera to be kept when one takes the place of the other.
@@ -247,8 +247,8 @@ impl Document {
         Ok(Stages { draft, sharp, proven })
     }
 
-    /// A renderer for pictures that must be quick: the own one at draft quality for 0, else that of [`QUICK`] before a number; `None` where that does not draw the scene, or
-    /// where the own options were chosen by hand and others would draw something else.
+    /// Returns the renderer of a setting for quick pictures, by its number (see [`QUICK`]). `None` if it does not draw the scene, or if the document's options were chosen by
+    /// hand, so that other settings would draw something else.
     ///
     /// # Errors
     /// An option that the renderer does not take.
@@ -269,12 +269,12 @@ impl Document {
         Ok(drawing.map(|renderer| -> Box<dyn Renderer> { renderer }))
     }
 
-    /// True if the renderer is the scene's usual one, with its usual options but for the quality.
+    /// True if the renderer is the scene's usual one, with its usual options except for the quality.
     fn has_usual_renderer(&self) -> bool {
         let name = (self.renderers.usual)(&self.scene);
         let Some(usual) = self.renderers.named(name).filter(|_| name == self.renderer_name()) else { return false };
         let [mut own, mut usual] = [self.file.render.options.clone(), StatedRenderer::of(usual, None).options];
-        // A bound that is asked for stands by itself.
+        // Options that the usual renderer does not list, such as a bound of the error, are not compared.
         own.0.retain(|key, _| key != QUALITY && usual.0.contains_key(key));
         usual.0.retain(|key, _| own.0.contains_key(key));
         own == usual

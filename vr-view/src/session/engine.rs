@@ -21,12 +21,12 @@ use super::upsampled::rmse_upsampled;
 /// Time without an edit after which the picture is at rest.
 const REST: Duration = Duration::from_millis(100);
 
-/// Time of a first picture of all pixels that is drawn without a coarser one before.
+/// Longest time of a quick picture of full size that is drawn without coarser ones before it.
 const SOON: Duration = Duration::from_millis(400);
 
 /// Pixels of the pictures that settings are tried with.
 const TRIED: [f64; 2] = [128.0 * 128.0, 256.0 * 256.0];
-/// Time of a trial's smaller picture from which the larger one is not drawn.
+/// Time of a trial's smaller picture beyond which the larger one is not drawn.
 const LONG: Duration = Duration::from_millis(250);
 
 /// Work of the engine: one stage of one revision.
@@ -41,20 +41,20 @@ pub(super) struct Job {
     full_size: [u32; 2],
     /// Bound that is asked for.
     bound: Option<f64>,
-    /// RMSE that trials suggest.
+    /// RMSE estimated by trials.
     rmse: Option<f64>,
     answers: BTreeMap<ClientId, u64>,
     control: Control,
 }
 
-/// Settings of [`Moving`], by their numbers.
+/// Settings for quick pictures, and their numbers.
 type Settings = Vec<(usize, Box<dyn Renderer>)>;
 
-/// What a job does.
+/// Work of a job.
 enum Task {
     /// Draws by a renderer, whose prepared state is kept in a slot.
     Draw(Box<dyn Renderer>, SlotName),
-    /// Tries these settings for moving pictures, and takes note that what is named was tried.
+    /// Tries settings for moving pictures; the trials have this key.
     Try(Settings, String),
     /// Compares the sharp picture with the reference.
     Measure,
@@ -63,13 +63,13 @@ enum Task {
 /// Name of a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum SlotName {
-    /// A setting of [`Moving`].
+    /// A setting for quick pictures, by its number.
     Quick(usize),
     Sharp,
     Proven,
 }
 
-/// Work that is due next, before it is known how.
+/// Next step of a revision.
 enum Next {
     Draft,
     Finer([u32; 2]),
@@ -108,10 +108,10 @@ pub(super) struct Engine {
     pub(super) shared: Arc<Shared>,
     pool: Control,
     moving: Moving,
-    /// Renderer and volume of the trials that are known.
+    /// Identity of the volume, renderer and options that trials, slots and `whole_cost` belong to.
     setting: String,
     slots: BTreeMap<SlotName, Slot>,
-    /// Seconds that a pixel of the first whole picture took when it was drawn last.
+    /// Seconds a pixel of the last quick picture of full size.
     whole_cost: Option<f64>,
     progress: Option<Progress>,
     pictures: u64,
@@ -206,7 +206,7 @@ impl Engine {
                 None => Next::Draft,
                 Some(None) => return Due::Idle,
                 Some(Some((Stage::Draft | Stage::Finer, size))) => self.refined(&desk.document, size),
-                Some(Some((Stage::Sharp, _))) if self.moving.is_untried(&self.trials_of(&desk.document)) => Next::Try,
+                Some(Some((Stage::Sharp, _))) if self.moving.is_untried(&self.trials_key(&desk.document)) => Next::Try,
                 Some(Some((Stage::Sharp, _))) => Next::Measure,
                 Some(Some((Stage::Measured, _))) if desk.document.max_error().is_some() => Next::Prove,
                 Some(Some((Stage::Measured | Stage::Proven, _))) => return Due::Idle,
@@ -225,11 +225,11 @@ impl Engine {
         }
     }
 
-    /// The next picture at rest after one of a size that is not by the renderer's own setting.
+    /// Returns the step at rest that follows a moving or coarse picture of a size.
     fn refined(&self, document: &Document, size: [u32; 2]) -> Next {
         let full = document.view().size;
         let whole = size == full;
-        if whole || !has_quick(document, WHOLE + 1) {
+        if whole || !has_quick(document, WHOLE) {
             return finer(size, full).filter(|_| !whole).map_or(Next::Sharp, Next::Finer);
         }
         // All pixels at once, where that is soon done or not known.
@@ -238,12 +238,12 @@ impl Engine {
         Next::Finer(finer(size, full).filter(|_| !soon).unwrap_or(full))
     }
 
-    /// What trials are of: renderer, scene and size.
-    fn trials_of(&self, document: &Document) -> String {
+    /// Returns the key of the trials of a renderer, scene and size.
+    fn trials_key(&self, document: &Document) -> String {
         format!("{} {} {:?}", self.setting, document.scene_revision(), document.view().size)
     }
 
-    /// The work that is due.
+    /// Makes the job of a step.
     fn job(&mut self, desk: &mut Desk, next: Next) -> Result<Job, EditError> {
         let document = &desk.document;
         let full = document.view().size;
@@ -263,15 +263,17 @@ impl Engine {
             }
             Next::Finer(size) => {
                 (view.size, view.supersampling) = (size, 1);
-                let setting = if has_quick(document, WHOLE + 1) { WHOLE + 1 } else { 0 };
-                (Stage::Finer, quick(document, setting)?)
+                (Stage::Finer, quick(document, WHOLE)?)
             }
             Next::Sharp => (Stage::Sharp, Task::Draw(document.stages()?.sharp, SlotName::Sharp)),
             Next::Try => {
                 let all = (0..=QUICK.len()).filter_map(|setting| Some((setting, document.quick(setting).ok()??)));
-                // One setting leaves no choice.
-                let all: Vec<_> = Some(all.collect::<Vec<_>>()).filter(|all| all.len() > 1).unwrap_or_default();
-                (Stage::Sharp, Task::Try(all, self.trials_of(document)))
+                let mut all: Settings = all.collect();
+                if all.len() == 1 {
+                    // There is no choice.
+                    all.clear();
+                }
+                (Stage::Sharp, Task::Try(all, self.trials_key(document)))
             }
             Next::Measure => (Stage::Measured, Task::Measure),
             Next::Prove => match document.stages()?.proven {
@@ -306,12 +308,12 @@ impl Engine {
     fn work(&mut self, job: &Job) -> Result<(), RenderError> {
         match &job.task {
             Task::Draw(renderer, slot) => self.draw(job, (&**renderer, *slot), &job.control),
-            Task::Try(settings, of) => self.try_settings(job, (settings, of), &job.control),
+            Task::Try(settings, key) => self.try_settings(job, (settings, key), &job.control),
             Task::Measure => self.measure(job, &job.control),
         }
     }
 
-    /// Takes a renderer that has seen the job's scene out of its slot, or prepares it. What is cancelled half-way is made anew.
+    /// Takes a renderer out of its slot and updates it to the job's scene, or prepares it. One that is cancelled half-way is lost, and prepared anew the next time.
     fn prepared(
         &mut self,
         job: &Job,
@@ -402,12 +404,12 @@ impl Engine {
     fn try_settings(
         &mut self,
         job: &Job,
-        (settings, of): (&Settings, &str),
+        (settings, key): (&Settings, &str),
         control: &Control,
     ) -> Result<(), RenderError> {
         let Some((revision, number, sharp)) = self.sharp.take().filter(|(revision, ..)| *revision == job.revision)
         else {
-            self.moving.tried(of.to_owned(), Vec::new());
+            self.moving.tried(key.to_owned(), Vec::new());
             return Ok(());
         };
         let mut trials = Vec::new();
@@ -415,18 +417,18 @@ impl Engine {
             match self.trial(job, (*setting, &**renderer), &sharp, control) {
                 Ok(trial) => trials.extend(trial.map(|trial| (*setting, trial))),
                 Err(RenderError::Cancelled) => return Err(RenderError::Cancelled),
-                // What cannot be drawn so is drawn in another way.
+                // A setting that cannot draw the scene is left out.
                 Err(_) => {}
             }
             Ok(())
         });
         self.sharp = Some((revision, number, sharp));
         outcome?;
-        self.moving.tried(of.to_owned(), trials);
+        self.moving.tried(key.to_owned(), trials);
         Ok(())
     }
 
-    /// Tries one setting; `None` where the picture is too small for two sizes.
+    /// Tries one setting; `None` if the picture is too small for two sizes.
     fn trial(
         &mut self,
         job: &Job,
@@ -508,7 +510,7 @@ fn has_quick(document: &Document, setting: usize) -> bool {
     document.quick(setting).is_ok_and(|renderer| renderer.is_some())
 }
 
-/// Drawing by a quick setting, or by the renderer's own draft where that does not draw the scene.
+/// Returns the task of drawing by a quick setting, or by the renderer's own draft if that does not draw the scene.
 fn quick(document: &Document, setting: usize) -> Result<Task, EditError> {
     Ok(match document.quick(setting)? {
         Some(renderer) => Task::Draw(renderer, SlotName::Quick(setting)),

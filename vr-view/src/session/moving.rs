@@ -2,8 +2,9 @@
 
 use super::pace::{FRAME_TIME, MIN_PIXELS, Pace, sized};
 
-/// Settings that are tried for moving pictures beside a renderer's own draft: names of renderers and options, as scene files have them. Those that a program
-/// does not have, or that do not draw a scene, are left out.
+/// Settings that are tried for moving pictures beside a renderer's own draft. Those of renderers that a program lacks, or that do not draw a scene, are left out.
+///
+/// Settings are numbered: 0 is the renderer's own draft, and n is `QUICK[n − 1]`.
 ///
 /// Bonsai, shaded, against the sharp picture of 512², pictures stretched as a screen does it: in 46 ms of a processor, a draft of quality 4·10⁻³ has 100² pixels and an RMSE
 /// of 1.9·10⁻²; in 30 ms, local steps for 6·10⁻² have 150² and 1.4·10⁻²; in 57 ms, the shear-warp with slices a voxel apart has 0.9·10⁻² at 256². Uniform steps
@@ -16,39 +17,39 @@ pub(super) const QUICK: [Quick; 5] = [
     Quick { renderer: "shearwarp", options: &[("slice-distance", 1.0)] },
 ];
 
-/// Index in [`QUICK`] of what draws before anything was tried.
-const FIRST: usize = 1;
-/// Index in [`QUICK`] of what draws all pixels first, at rest.
-pub(super) const WHOLE: usize = 0;
+/// Number of the setting that draws before any trial.
+const FIRST: usize = 2;
+/// Number of the setting that draws all pixels first, at rest.
+pub(super) const WHOLE: usize = 1;
 
-/// A renderer's name, and its options that are not as usual.
+/// A renderer and its options, by their names in scene files; other options are as usual.
 pub(super) struct Quick {
     pub(super) renderer: &'static str,
     pub(super) options: &'static [(&'static str, f64)],
 }
 
-/// Share of a new measurement in the running mean of how much slower pictures are than in their trial.
+/// Weight of a new measurement in the running mean of how much slower pictures are than in their trial.
 const SHARE: f64 = 0.25;
-/// Largest factor by which one picture counts as slower or quicker than its trial: another one may encode an axis, or be held up.
+/// Largest factor by which one picture counts as slower or quicker than its trial: a single one may have to encode an axis, or be held up.
 const MAX_STRAIN: f64 = 4.0;
-/// Part of the time that a picture takes at any size which pixels may add without being worth a thought.
+/// Share of a picture's fixed time that its pixels may always add.
 const CHEAP: f64 = 0.15;
 
 /// Times and errors of a setting in pictures of two sizes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trial {
-    /// Pixels of the pictures, the smaller first.
+    /// Number of pixels of each, the smaller one first.
     pub(super) pixels: [f64; 2],
     /// Seconds to draw each.
     pub(super) seconds: [f64; 2],
-    /// RMSE of each, spread over the screen, against the sharp picture.
+    /// RMSE of each, stretched to the screen, against the sharp picture.
     pub(super) rmse: [f64; 2],
-    /// Seconds more for the first picture of a changed scene.
+    /// Additional seconds of the first picture after the scene has changed.
     pub(super) renewal: f64,
 }
 
 impl Trial {
-    /// Seconds of a picture whatever its size, and seconds of each pixel.
+    /// Seconds of a picture of any size, and additional seconds of each pixel.
     fn costs(&self) -> [f64; 2] {
         let [few, many] = self.pixels;
         let each = ((self.seconds[1] - self.seconds[0]) / (many - few)).max(1e-10);
@@ -60,13 +61,13 @@ impl Trial {
         fixed + each * pixels
     }
 
-    /// Pixels of a picture in so many seconds, and of one that they make little slower.
+    /// Number of pixels that can be drawn in a time, but at least as many as add [`CHEAP`] of the fixed time.
     fn affordable(&self, seconds: f64) -> f64 {
         let [fixed, each] = self.costs();
         (seconds - fixed).max(CHEAP * fixed) / each
     }
 
-    /// RMSE of a picture of so many pixels: a power of their number through both that were measured, which does not grow with it.
+    /// RMSE of a picture of a number of pixels: a power law through both measurements, with an exponent of at most 0.
     fn rmse_of(&self, pixels: f64) -> f64 {
         let [few, many] = self.rmse.map(|e| e.max(1e-12).ln());
         let power = ((many - few) / (self.pixels[1] / self.pixels[0]).ln()).min(0.0);
@@ -74,25 +75,25 @@ impl Trial {
     }
 }
 
-/// What a moving picture is drawn with.
+/// Setting and size of a moving picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Choice {
-    /// 0 for the renderer's own draft, else one more than the index in [`QUICK`].
+    /// Number of the setting.
     pub(super) setting: usize,
     pub(super) size: [u32; 2],
-    /// Its RMSE as trials suggest it.
+    /// RMSE estimated by the trials.
     pub(super) rmse: Option<f64>,
 }
 
 /// Choice of moving pictures.
 #[derive(Default)]
 pub(super) struct Moving {
-    /// Pace of what draws as long as nothing was tried, and the setting that it is of.
+    /// Setting that draws before any trial, and its pace.
     pace: (usize, Pace),
-    /// Scene, renderer and size that the trials are of.
-    of: Option<String>,
+    /// Key of the trials.
+    key: Option<String>,
     trials: Vec<Tried>,
-    /// Index of the trial of the picture in progress, and the time that it suggests.
+    /// Index of the trial of the picture in progress, and the time expected by it.
     expected: Option<(usize, f64)>,
 }
 
@@ -100,21 +101,21 @@ pub(super) struct Moving {
 struct Tried {
     setting: usize,
     trial: Trial,
-    /// Mean logarithm of the time of pictures since over that which the trial suggests: the page, and others, use the machine while something moves. Each
-    /// setting has its own, so that a trial that was held up, or was not, is set right by the pictures that follow from it.
+    /// Mean logarithm of the time of later pictures in units of the time expected by the trial: while something moves, the page and other programs use the machine, too. Each
+    /// setting has its own, so that pictures correct a trial that was held up.
     strain: f64,
 }
 
 impl Moving {
-    /// True if nothing was tried yet for what `of` names.
-    pub(super) fn is_untried(&self, of: &str) -> bool {
-        self.of.as_deref() != Some(of)
+    /// True if the trials known are not those of a key.
+    pub(super) fn is_untried(&self, key: &str) -> bool {
+        self.key.as_deref() != Some(key)
     }
 
-    /// Takes over the trials of what `of` names.
-    pub(super) fn tried(&mut self, of: String, trials: Vec<(usize, Trial)>) {
+    /// Replaces the trials by those of a key.
+    pub(super) fn tried(&mut self, key: String, trials: Vec<(usize, Trial)>) {
         let fresh = |(setting, trial)| Tried { setting, trial, strain: 0.0 };
-        (self.of, self.trials) = (Some(of), trials.into_iter().map(fresh).collect());
+        (self.key, self.trials) = (Some(key), trials.into_iter().map(fresh).collect());
     }
 
     /// The last trial of a setting.
@@ -122,13 +123,13 @@ impl Moving {
         self.trials.iter().find(|tried| tried.setting == setting).map(|tried| tried.trial)
     }
 
-    /// Forgets all trials: another renderer or another volume is shown.
+    /// Forgets all trials: another renderer or volume is shown.
     pub(super) fn forget(&mut self) {
         *self = Self::default();
     }
 
-    /// Chooses the setting of the next moving picture among those that can draw it, and its size, where the picture at rest has the size `full`. `renews` is true
-    /// if a setting has not seen the scene as it is.
+    /// Chooses the setting of the next moving picture among those that `can` draw it, and its size. The picture at rest has the size `full`. `renews` is true
+    /// for a setting that has to prepare the scene anew.
     pub(super) fn choose(
         &mut self,
         full: [u32; 2],
@@ -143,7 +144,7 @@ impl Moving {
             let pixels = trial.affordable(budget - renewal).max(MIN_PIXELS).min(all);
             let seconds = trial.seconds_of(pixels);
             let rmse = trial.rmse_of(pixels);
-            // What is too slow even with few pixels is as bad as it is slow.
+            // A setting that is too slow even with the fewest pixels counts as worse by the square of its delay.
             let late = ((seconds + renewal) / budget - CHEAP).max(1.0);
             (
                 rmse * late * late,
@@ -156,14 +157,14 @@ impl Moving {
             return choice;
         }
         self.expected = None;
-        let setting = if can(FIRST + 1) { FIRST + 1 } else { 0 };
+        let setting = if can(FIRST) { FIRST } else { 0 };
         if self.pace.0 != setting {
             self.pace = (setting, Pace::default());
         }
         Choice { setting, size: self.pace.1.size(full), rmse: None }
     }
 
-    /// Takes note of the time of the picture that was chosen last.
+    /// Records the time of the picture that was chosen last.
     pub(super) fn measured(&mut self, pixels: u64, seconds: f64) {
         match self.expected {
             Some((index, expected)) => {
@@ -243,7 +244,7 @@ mod tests {
         let mut none = Moving::default();
         assert!(none.is_untried("scene"));
         let first = none.choose([512, 512], |_| true, |_| false);
-        assert_eq!((first.setting, first.rmse), (FIRST + 1, None));
+        assert_eq!((first.setting, first.rmse), (FIRST, None));
         none.measured(96 * 96, 96.0 * 96.0 * 1e-7);
         assert!(none.choose([512, 512], |_| true, |_| false).size[0] > first.size[0]);
         assert_eq!(none.choose([512, 512], |setting| setting == 0, |_| false).setting, 0);
