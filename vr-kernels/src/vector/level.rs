@@ -44,11 +44,21 @@ fn run_on<S: Simd, W: Vectorized>(simd: S, work: W) -> W::Output {
     )
 }
 
-/// Returns the vectors that every machine has: SSE2 on x86-64; elsewhere numbers one by one, which is slow.
+/// Returns the vectors that every machine of the target has: SSE2 on x86-64, Neon on 64-bit ARM, those of 128 bits in WebAssembly where they
+/// are enabled; elsewhere numbers one by one, which is slow.
 #[inline(always)]
 pub fn baseline() -> impl Simd {
-    #[cfg(target_arch = "x86_64")]
-    return Level::baseline().as_sse2().expect("every x86-64 has SSE2");
-    #[cfg(not(target_arch = "x86_64"))]
+    #[cfg(any(target_arch = "x86_64", target_arch = "x86"))]
+    return Level::baseline().as_sse2().expect("SSE2 is part of the target");
+    #[cfg(target_arch = "aarch64")]
+    return Level::baseline().as_neon().expect("Neon is part of the target");
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    return Level::baseline().as_wasm_simd128().expect("vectors are enabled in the target");
+    #[cfg(not(any(
+        target_arch = "x86_64",
+        target_arch = "x86",
+        target_arch = "aarch64",
+        all(target_arch = "wasm32", target_feature = "simd128")
+    )))]
     fearless_simd::Fallback::new()
 }
