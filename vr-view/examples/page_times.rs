@@ -32,8 +32,8 @@ const STAGES: &str = "new Promise((done) => { const start = performance.now(), a
 
 /// Function of the page that samples the moving picture's sizes and errors.
 const SAMPLING: &str = "window.vrSeen = []; window.vrSampling = setInterval(() => { \
-    const { stage, size, error, milliseconds, renderer } = window.vr.status.head; \
-    if (stage === 'draft') window.vrSeen.push([size[0], error.rmse ?? null, milliseconds, renderer]); }, 20)";
+    const { stage, size, error, milliseconds, prepare_milliseconds, renderer } = window.vr.status.head; \
+    if (stage === 'draft') window.vrSeen.push([size[0], error.rmse ?? null, milliseconds, prepare_milliseconds, renderer]); }, 20)";
 
 /// A process that is killed when this is dropped.
 struct Program(Child);
@@ -70,6 +70,21 @@ fn place(browser: &mut Browser) -> [f64; 4] {
 fn waits(browser: &mut Browser) -> String {
     let waits = sorted(&browser.value("window.vr.status.latencies"));
     format!("{:.0} ms, 95 %: {:.0} ms", quantile(&waits, 0.5), quantile(&waits, 0.95))
+}
+
+/// Tells of the moving pictures that were sampled.
+fn tell_of_seen(browser: &mut Browser, name: &str) {
+    let seen = browser.value("(() => { clearInterval(window.vrSampling); return window.vrSeen; })()");
+    let column = |k: usize| sorted(&seen.as_array().into_iter().flatten().map(|row| row[k].clone()).collect());
+    let [sides, errors, times, renewals] = [0, 1, 2, 3].map(column);
+    let renderer = &seen[seen.as_array().map_or(0, Vec::len) / 2][4];
+    println!("{name} {} pixels wide, RMSE {:.1e}", quantile(&sides, 0.5), quantile(&errors, 0.5));
+    let renderer = renderer.as_str().unwrap_or("nothing");
+    println!(
+        "{name} drawn by {renderer} in {:.0} ms, prepared in {:.0} ms",
+        quantile(&times, 0.5),
+        quantile(&renewals, 0.5)
+    );
 }
 
 /// Processes that ran or waited for a processor, in the mean of the last minute; `None` where the system does not tell.
@@ -140,16 +155,10 @@ fn main() {
     }
     let stages = browser.value(STAGES);
     browser.mouse("mouseReleased", middle, json!({"button": "left", "buttons": 0, "clickCount": 1}));
-    browser.value("clearInterval(window.vrSampling)");
     let rate = browser.value("window.vr.status.rate()").as_f64().unwrap_or(f64::NAN);
     println!("{name}: {rate:.0} pictures a second in an orbit");
     println!("{name}: move to picture {}", waits(&mut browser));
-    let seen = browser.value("window.vrSeen");
-    let column = |k: usize| sorted(&seen.as_array().into_iter().flatten().map(|row| row[k].clone()).collect());
-    let [sides, errors, times] = [0, 1, 2].map(column);
-    let renderer = &seen[seen.as_array().map_or(0, Vec::len) / 2][3];
-    println!("{name}: pictures {} pixels wide, RMSE {:.1e}", quantile(&sides, 0.5), quantile(&errors, 0.5));
-    println!("{name}: drawn by {} in {:.0} ms", renderer.as_str().unwrap_or("nothing"), quantile(&times, 0.5));
+    tell_of_seen(&mut browser, &format!("{name}: pictures"));
     for (stage, word) in [("whole", "all pixels"), ("sharp", "sharp"), ("measured", "measured"), ("proven", "proven")] {
         // Stages that were not reached are left out.
         if let Some(time) = stages[stage].as_f64() {
@@ -160,6 +169,7 @@ fn main() {
     // Edit the transfer function.
     browser.wait("window.vr.rests");
     forget(&mut browser);
+    browser.value(SAMPLING);
     for k in 0..EDITS {
         let began = Instant::now();
         browser.value(&format!(
@@ -171,4 +181,5 @@ fn main() {
     // The last picture is waited for.
     browser.value("new Promise((done) => setTimeout(done, 500))");
     println!("{name}: edit to picture {}", waits(&mut browser));
+    tell_of_seen(&mut browser, &format!("{name}: edited pictures"));
 }

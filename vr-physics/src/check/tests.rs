@@ -59,8 +59,8 @@ fn the_reference_passes_its_own_checks() {
     // The Gaussian filter: see the next test.
     let ends = |t: &TestScene| t.scene.volume.filter() != Some(Filter::Gaussian);
     let (tame, any) = (tame_scene().prop_filter("ends", ends), scene().prop_filter("ends", ends));
-    let tame = agrees_with_reference_on(&reference, tame, |_, _| FRAME_ROUNDING, &effort(64)).unwrap();
-    let any = agrees_with_its_model(&reference, any, |_, _| FRAME_ROUNDING, &effort(64)).unwrap();
+    let tame = agrees_with_reference_on(&reference, tame, |_, _| FRAME_ROUNDING, &effort(32)).unwrap();
+    let any = agrees_with_its_model(&reference, any, |_, _| FRAME_ROUNDING, &effort(32)).unwrap();
     for report in [tame, any] {
         assert_eq!((report.refused, report.skipped), (0, 0), "{report}");
     }
@@ -74,7 +74,7 @@ fn the_reference_passes_with_the_gaussian_filter_too() {
         t.scene = t.scene.with_filter(Filter::Gaussian);
         t
     });
-    agrees_with_reference_on(&reference, gaussian, |_, _| FRAME_ROUNDING, &effort(64)).unwrap();
+    agrees_with_reference_on(&reference, gaussian, |_, _| FRAME_ROUNDING, &effort(32)).unwrap();
 }
 
 /// Largest departure of the reference from its invariants.
@@ -83,33 +83,33 @@ const INVARIANT_SLACK: f64 = 4.0 * FRAME_ROUNDING;
 #[test]
 fn the_reference_stays_in_range_and_is_linear_in_emission() {
     let reference = Reference::default();
-    println!("{}", invariants::stays_in_range(&reference, INVARIANT_SLACK, &effort(64)).unwrap());
-    println!("{}", invariants::is_linear_in_emission(&reference, INVARIANT_SLACK, &effort(64)).unwrap());
+    println!("{}", invariants::stays_in_range(&reference, INVARIANT_SLACK, &effort(32)).unwrap());
+    println!("{}", invariants::is_linear_in_emission(&reference, INVARIANT_SLACK, &effort(32)).unwrap());
 }
 
 #[test]
 fn the_reference_is_free_of_scale() {
-    println!("{}", invariants::is_free_of_scale(&Reference::default(), INVARIANT_SLACK, &effort(64)).unwrap());
+    println!("{}", invariants::is_free_of_scale(&Reference::default(), INVARIANT_SLACK, &effort(32)).unwrap());
 }
 
 #[test]
 fn the_reference_turns_with_its_data() {
-    println!("{}", invariants::turns_with_its_data(&Reference::default(), INVARIANT_SLACK, &effort(64)).unwrap());
+    println!("{}", invariants::turns_with_its_data(&Reference::default(), INVARIANT_SLACK, &effort(32)).unwrap());
 }
 
 #[test]
 fn the_reference_ignores_threads() {
-    println!("{}", invariants::ignores_threads(&Reference::default(), &effort(64)).unwrap());
+    println!("{}", invariants::ignores_threads(&Reference::default(), &effort(32)).unwrap());
 }
 
 #[test]
 fn the_reference_forgets_earlier_frames() {
-    println!("{}", invariants::forgets_earlier_frames(&Reference::default(), &effort(64)).unwrap());
+    println!("{}", invariants::forgets_earlier_frames(&Reference::default(), &effort(32)).unwrap());
 }
 
 #[test]
 fn an_update_of_the_reference_is_a_new_preparation() {
-    println!("{}", invariants::update_is_prepare(&Reference::default(), &effort(64)).unwrap());
+    println!("{}", invariants::update_is_prepare(&Reference::default(), &effort(32)).unwrap());
 }
 
 #[test]

@@ -358,7 +358,7 @@ impl Truth<'_> {
 #[test]
 fn the_bound_is_never_below_the_true_error() {
     let config = Config {
-        cases: 1000,
+        cases: 500,
         rng_algorithm: RngAlgorithm::ChaCha,
         rng_seed: RngSeed::Fixed(2),
         failure_persistence: None,

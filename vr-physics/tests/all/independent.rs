@@ -34,12 +34,12 @@ fn compare(scene: &Scene, view: &View, pixel: [u32; 2]) -> ([f64; 4], f64, Answe
 
 #[test]
 fn the_bound_is_never_below_the_difference() {
-    judge(scenes::scene, 2000);
+    judge(scenes::scene, 1000);
 }
 
 #[test]
 fn the_bound_is_never_below_the_difference_with_rows_by_gradient() {
-    judge(scenes::scene_with_rows, 600);
+    judge(scenes::scene_with_rows, 300);
 }
 
 /// Compares the solvers on the scenes of `usual` seeds, or of as many from another first one as the environment says.

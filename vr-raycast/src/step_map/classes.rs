@@ -32,7 +32,7 @@ pub(super) fn class_of(voxels: f64) -> u8 {
     class.clamp(0.0, CLASSES as f64 - 1.0) as u8
 }
 
-/// Class of a block by its range of levels, for all ranges that there are.
+/// Class of a block by its range of levels, for the ranges of some blocks.
 pub(super) struct Classes {
     /// Table of 256 × 256 classes: lower level, upper level.
     table: Vec<u8>,
@@ -134,16 +134,23 @@ impl LevelVariations {
         Self { between: values.windows(2).map(between).collect(), at, values, features, integrated, shaded }
     }
 
-    /// Calls `each` with every range of levels, lower and upper, and the largest variation of extinction and emission over it; `None` where there is
+    /// Calls `each` with every wanted range of levels, lower and upper, and the largest variation of extinction and emission over it; `None` where there is
     /// neither.
-    pub(super) fn each_range(&self, mut each: impl FnMut(usize, usize, Option<f64>)) {
-        let largest = |variation: &Variation| (variation.greatest != [0.0; 4]).then(|| variation.largest(self.shaded));
+    pub(super) fn each_range(
+        &self,
+        is_wanted: impl Fn(usize, usize) -> bool,
+        mut each: impl FnMut(usize, usize, Option<f64>),
+    ) {
         for low in 0..LEVELS {
             let mut variation = self.at[low];
-            each(low, low, largest(&variation));
-            for high in low + 1..LEVELS {
-                variation = variation.then(&self.between[high - 1]);
-                each(low, high, largest(&variation));
+            for high in low..LEVELS {
+                if high > low {
+                    variation = variation.then(&self.between[high - 1]);
+                }
+                if is_wanted(low, high) {
+                    let is_visible = variation.greatest != [0.0; 4];
+                    each(low, high, is_visible.then(|| variation.largest(self.shaded)));
+                }
             }
         }
     }
@@ -172,10 +179,15 @@ impl LevelVariations {
 }
 
 impl Classes {
-    pub(super) fn new(variations: &LevelVariations, voxel: f64, error: f64) -> Self {
+    /// Makes the classes of blocks with these ranges.
+    pub(super) fn new(variations: &LevelVariations, ranges: &[[u8; 2]], voxel: f64, error: f64) -> Self {
+        // A small part of all ranges occurs, and only these are worth their square roots and logarithms each time a transfer function is edited.
+        let mut occurs = vec![false; LEVELS * LEVELS];
+        ranges.iter().for_each(|&range| occurs[place_of(range)] = true);
         // An empty range (all vacuum) is clear.
         let mut table = vec![CLEAR; LEVELS * LEVELS];
-        variations.each_range(|low, high, variation| {
+        let is_wanted = |low, high| occurs[low * LEVELS + high];
+        variations.each_range(is_wanted, |low, high, variation| {
             let block = (voxel, StepMap::EDGE as f64);
             let step = |variation| class_of(variations.longest_step(variation, [low, high], block, error));
             table[low * LEVELS + high] = variation.map_or(CLEAR, step);
@@ -183,9 +195,14 @@ impl Classes {
         Self { table }
     }
 
-    pub(super) fn of(&self, [low, high]: [u8; 2]) -> u8 {
-        self.table[usize::from(low) * LEVELS + usize::from(high)]
+    pub(super) fn of(&self, range: [u8; 2]) -> u8 {
+        self.table[place_of(range)]
     }
+}
+
+/// Place of a range in a table of all of them.
+fn place_of([low, high]: [u8; 2]) -> usize {
+    usize::from(low) * LEVELS + usize::from(high)
 }
 
 /// Returns κ, and q of red, green and blue.

@@ -103,7 +103,7 @@ impl StepMap {
         error: f64,
     ) -> Self {
         let variations = LevelVariations::new(scene, integrated, |level| calibration.value(levels.stored(level as u8)));
-        let by_range = Classes::new(&variations, voxel, error);
+        let by_range = Classes::new(&variations, levels.ranges(), voxel, error);
         let blocks = levels.blocks();
         let mut bytes: Vec<u8> = collect(levels.ranges().len(), |i| by_range.of(levels.ranges()[i]));
         let mut distances: Vec<u8> = bytes.iter().map(|&b| if b == CLEAR { u8::MAX } else { 0 }).collect();

@@ -28,9 +28,12 @@ impl RangeSteps {
         let span = if high > low { high - low } else { 1.0 };
         let variations = LevelVariations::new(scene, None, |level| low + span * (level as f64 / last));
         let mut table = vec![-1.0; LEVELS * LEVELS];
-        variations.each_range(|low, high, variation| {
-            table[low * LEVELS + high] = variation.map_or(-1.0, |variation| variation as f32);
-        });
+        variations.each_range(
+            |_, _| true,
+            |low, high, variation| {
+                table[low * LEVELS + high] = variation.map_or(-1.0, |variation| variation as f32);
+            },
+        );
         Self { variations, table, low, levels_per_value: last / span, error }
     }
 

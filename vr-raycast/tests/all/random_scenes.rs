@@ -8,7 +8,7 @@ use vr_raycast::{Connectivity, ImageSampling, RayCaster};
 
 /// Scenes of some kinds, with a truth that is as good as f32 can show.
 fn few(kinds: &[Kind]) -> Effort {
-    Effort { reference: Reference::new(1e-6), ..Effort::cases(40) }.of_kinds(kinds)
+    Effort { reference: Reference::new(1e-6), ..Effort::cases(24) }.of_kinds(kinds)
 }
 
 /// The plain engine in f64, the vector engine at equal steps, and local steps, of which the error aimed at is refined: one a
@@ -62,7 +62,7 @@ fn an_update_is_a_new_preparation() {
         ..RayCaster::uniform(0.5)
     };
     for caster in [RayCaster::default(), RayCaster::uniform(0.2), RayCaster::exact(0.5), template] {
-        for effort in [Effort::cases(32), Effort::cases(48).of_kinds(&Kind::ALL)] {
+        for effort in [Effort::cases(16), Effort::cases(24).of_kinds(&Kind::ALL)] {
             println!("{}", update_is_prepare(&caster, &effort).unwrap_or_else(|e| panic!("{caster:?}: {e}")));
         }
     }

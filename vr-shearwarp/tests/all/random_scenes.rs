@@ -8,7 +8,7 @@ use vr_shearwarp::ShearWarp;
 
 /// Scenes of some kinds, with a truth that is as good as f32 can show.
 fn few(kinds: &[Kind]) -> Effort {
-    Effort { reference: Reference::new(1e-6), ..Effort::cases(40) }.of_kinds(kinds)
+    Effort { reference: Reference::new(1e-6), ..Effort::cases(24) }.of_kinds(kinds)
 }
 
 fn errors_fall_over(kinds: &[Kind]) {
@@ -34,7 +34,7 @@ fn errors_fall_with_the_step_in_the_second_half_of_kinds() {
 #[test]
 fn an_update_is_a_new_preparation() {
     for renderer in [ShearWarp::default(), ShearWarp::classic()] {
-        for effort in [Effort::cases(32), Effort::cases(48).of_kinds(&Kind::ALL)] {
+        for effort in [Effort::cases(16), Effort::cases(24).of_kinds(&Kind::ALL)] {
             println!("{}", update_is_prepare(&renderer, &effort).unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
         }
     }

@@ -14,7 +14,7 @@ fn voxels(buffers: Buffers, shape: Shape) -> Splatter {
 
 /// Scenes of some kinds, with a truth that is as good as f32 can show.
 fn few(kinds: &[Kind]) -> Effort {
-    Effort { reference: Reference::new(1e-6), ..Effort::cases(40) }.of_kinds(kinds)
+    Effort { reference: Reference::new(1e-6), ..Effort::cases(24) }.of_kinds(kinds)
 }
 
 fn errors_fall_over(kinds: &[Kind]) {
@@ -42,7 +42,7 @@ fn agrees_with_its_model_whatever_is_hard() {
         let bound = |scene: &Scene, _: &View| {
             if scene.compositing == Compositing::Over { 3e-4 } else { f64::INFINITY }
         };
-        let effort = Effort { cases: 120, ..few(&Kind::ALL) };
+        let effort = Effort { cases: 60, ..few(&Kind::ALL) };
         let report = agrees_with_its_model(&renderer, scene_of(&Kind::ALL), bound, &effort);
         println!("{}", report.unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
     }
@@ -51,7 +51,7 @@ fn agrees_with_its_model_whatever_is_hard() {
 #[test]
 fn an_update_is_a_new_preparation() {
     for renderer in [Splatter::default(), voxels(Buffers::Axis, Shape::BSpline)] {
-        for effort in [Effort::cases(32), Effort::cases(48).of_kinds(&Kind::ALL)] {
+        for effort in [Effort::cases(16), Effort::cases(24).of_kinds(&Kind::ALL)] {
             println!("{}", update_is_prepare(&renderer, &effort).unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
         }
     }

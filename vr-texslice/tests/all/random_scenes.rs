@@ -11,7 +11,7 @@ use vr_texslice::{Format, Proxy, TextureSlicer};
 
 /// Scenes of some kinds, with a truth that is as good as f32 can show.
 fn few(kinds: &[Kind]) -> Effort {
-    Effort { reference: Reference::new(1e-6), ..Effort::cases(40) }.of_kinds(kinds)
+    Effort { reference: Reference::new(1e-6), ..Effort::cases(24) }.of_kinds(kinds)
 }
 
 /// Kinds of both tests are drawn by the same three renderers, which share each scene's reference.
@@ -58,11 +58,11 @@ fn agrees_with_its_model_whatever_is_hard() {
         let bound = |scene: &Scene, _: &View| {
             if scene.compositing == Compositing::Over { 2e-4 } else { f64::INFINITY }
         };
-        let effort = Effort { cases: 120, ..few(&Kind::ALL) };
+        let effort = Effort { cases: 60, ..few(&Kind::ALL) };
         let report = agrees_with_its_model(&renderer, scene_of(&Kind::ALL), bound, &effort);
         println!("{}", report.unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
         let rows = scene_of(&Kind::ALL).prop_map(by_slope);
-        let report = agrees_with_its_model(&renderer, rows, bound, &Effort { cases: 40, ..effort });
+        let report = agrees_with_its_model(&renderer, rows, bound, &Effort { cases: 20, ..effort });
         println!("by slope: {}", report.unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
     }
 }
@@ -71,7 +71,7 @@ fn agrees_with_its_model_whatever_is_hard() {
 fn an_update_is_a_new_preparation() {
     let of = |format| TextureSlicer { format, ..TextureSlicer::default() };
     for renderer in [TextureSlicer::default(), of(Format::Rgba), of(Format::Paletted)] {
-        for effort in [Effort::cases(32), Effort::cases(48).of_kinds(&Kind::ALL)] {
+        for effort in [Effort::cases(16), Effort::cases(24).of_kinds(&Kind::ALL)] {
             println!("{}", update_is_prepare(&renderer, &effort).unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
         }
     }

@@ -27,12 +27,14 @@ export class Curve {
     this.selected = -1;
     this.marked = null;
     this.drag = null;
+    /** Size of the drawing; the element's own is asked for only when it changes, since each question has the page laid out. */
+    this.box = { width: 1, height: 1 };
     element.addEventListener("pointerdown", (e) => this.down(e));
     element.addEventListener("pointermove", (e) => this.move(e));
     for (const end of ["pointerup", "pointercancel"]) element.addEventListener(end, () => this.up());
     element.addEventListener("dblclick", (e) => this.add(this.at(e)));
     element.addEventListener("keydown", (e) => this.key(e));
-    new ResizeObserver(() => this.draw()).observe(element);
+    new ResizeObserver(() => this.resized()).observe(element);
   }
 
   get isDragged() {
@@ -56,9 +58,10 @@ export class Curve {
     this.chosen(this.points[index] ?? null);
   }
 
-  get box() {
+  resized() {
     const { clientWidth, clientHeight } = this.element;
-    return { width: Math.max(clientWidth - 2 * EDGE, 1), height: Math.max(clientHeight - 2 * EDGE, 1) };
+    this.box = { width: Math.max(clientWidth - 2 * EDGE, 1), height: Math.max(clientHeight - 2 * EDGE, 1) };
+    this.draw();
   }
 
   /** Places of a point in the drawing; one beyond the values of the volume lies on the rim. */

@@ -164,13 +164,15 @@ impl Moving {
         Choice { setting, size: self.pace.1.size(full), rmse: None }
     }
 
-    /// Records the time of the picture that was chosen last.
-    pub(super) fn measured(&mut self, pixels: u64, seconds: f64) {
+    /// Records the time of the picture that was chosen last, and the time it took to prepare the scene anew, if that was necessary.
+    pub(super) fn measured(&mut self, pixels: u64, seconds: f64, renewal: Option<f64>) {
         match self.expected {
             Some((index, expected)) => {
                 let slower = (seconds / expected).clamp(1.0 / MAX_STRAIN, MAX_STRAIN).ln();
-                if let Some(Tried { strain, .. }) = self.trials.get_mut(index) {
+                if let Some(Tried { strain, trial, .. }) = self.trials.get_mut(index) {
                     *strain += SHARE * (slower - *strain);
+                    // In its trial, a scene is prepared from nothing, or was prepared already.
+                    trial.renewal += SHARE * renewal.map_or(0.0, |renewal| renewal - trial.renewal);
                 }
             }
             None => self.pace.1.measured(pixels, std::time::Duration::from_secs_f64(seconds)),
@@ -216,7 +218,7 @@ mod tests {
         for _ in 0..60 {
             let choice = one.choose([512, 512], |_| true, |_| false);
             let pixels = u64::from(choice.size[0]) * u64::from(choice.size[1]);
-            one.measured(pixels, 2.0 * 500e-9 * pixels as f64);
+            one.measured(pixels, 2.0 * 500e-9 * pixels as f64, None);
         }
         let after = one.choose([512, 512], |_| true, |_| false);
         let share = f64::from(after.size[0] * after.size[1]) / f64::from(before.size[0] * before.size[1]);
@@ -233,10 +235,30 @@ mod tests {
             let Choice { setting, size, .. } = both.choose([512, 512], |_| true, |_| false);
             let pixels = f64::from(size[0] * size[1]);
             let seconds = if setting == 4 { 4.0 * (20e-3 + 20e-9 * pixels) } else { 1e-6 * pixels };
-            both.measured(pixels as u64, seconds);
+            both.measured(pixels as u64, seconds, None);
             settings.push(setting);
         }
         assert!(settings[0] == 4 && settings[30..].iter().all(|&setting| setting == 1), "{settings:?}");
+    }
+
+    #[test]
+    fn what_an_edit_costs_is_learned_from_edits() {
+        let mut one = moving(vec![(1, trial(0.0, 500.0, [2e-2, 1e-2]))]);
+        let (mut pixels, mut before) = (0, 0);
+        for edit in 0..40 {
+            let [w, h] = one.choose([512, 512], |_| true, |_| true).size;
+            pixels = u64::from(w) * u64::from(h);
+            if edit == 0 {
+                before = pixels;
+            }
+            // Half the time of a frame is spent on the scene.
+            one.measured(pixels, 500e-9 * pixels as f64, Some(0.5 * FRAME_TIME.as_secs_f64()));
+        }
+        let share = pixels as f64 / before as f64;
+        assert!((share - 0.5).abs() < 0.02, "{share}");
+        // Moves cost what they did.
+        let [w, h] = one.choose([512, 512], |_| true, |_| false).size;
+        assert_eq!(u64::from(w) * u64::from(h), before);
     }
 
     #[test]
@@ -245,7 +267,7 @@ mod tests {
         assert!(none.is_untried("scene"));
         let first = none.choose([512, 512], |_| true, |_| false);
         assert_eq!((first.setting, first.rmse), (FIRST, None));
-        none.measured(96 * 96, 96.0 * 96.0 * 1e-7);
+        none.measured(96 * 96, 96.0 * 96.0 * 1e-7, None);
         assert!(none.choose([512, 512], |_| true, |_| false).size[0] > first.size[0]);
         assert_eq!(none.choose([512, 512], |setting| setting == 0, |_| false).setting, 0);
     }
