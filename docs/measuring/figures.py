@@ -525,8 +525,10 @@ HOW = {
                     "{row}: {rate} pictures a second in an orbit", "{row}: move to picture {move} ms, 95 %: {move 95} ms",
                     "{row}: pictures {width} pixels wide, RMSE {rmse}", "{row}: all pixels after {whole} ms", "{row}: sharp after {sharp} ms",
                     "{row}: measured after {measured} ms", "{row}: proven after {proven} ms", "{row}: edit to picture {edit} ms, 95 %: {edit 95} ms",
+                    "{row}: edited pictures {edit width} pixels wide, RMSE {edit rmse}",
+                    "{row}: edited pictures drawn by raycast in {} ms, prepared in {prepared} ms",
                     rename={"bonsai.nii.gz": "bonsai", "cthead_256x256x99.mhd": "CT head",
-                            "bonsai_512x512x512_uint8.raw": "bonsai 512³"}.get),
+                            "bonsai_512x512x512_uint8.raw": "bonsai 512³", "fog": "fog"}.get),
 }
 
 

@@ -361,7 +361,7 @@ impl Engine {
         let (error, full_size) = match job.stage {
             Stage::Draft | Stage::Finer => {
                 if job.stage == Stage::Draft {
-                    let renewal = renews.then(|| prepare.as_secs_f64());
+                    let renewal = renews.then_some(prepare.as_secs_f64());
                     self.moving.measured(pixels, start.elapsed().as_secs_f64(), renewal);
                 } else if job.view.size == job.full_size {
                     self.whole_cost = Some((prepare + start.elapsed()).as_secs_f64() / pixels as f64);
