@@ -8,7 +8,7 @@ use vr_raycast::{Connectivity, ImageSampling, RayCaster};
 
 /// Scenes of some kinds, with a truth that is as good as f32 can show.
 fn few(kinds: &[Kind]) -> Effort {
-    Effort { reference: Reference::new(1e-6), ..Effort::cases(24) }.of_kinds(kinds)
+    Effort { reference: Reference::new(1e-6), ..Effort::cases(40) }.of_kinds(kinds)
 }
 
 /// The plain engine in f64, the vector engine at equal steps, and local steps, of which the error aimed at is refined: one a

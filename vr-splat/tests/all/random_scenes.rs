@@ -14,7 +14,7 @@ fn voxels(buffers: Buffers, shape: Shape) -> Splatter {
 
 /// Scenes of some kinds, with a truth that is as good as f32 can show.
 fn few(kinds: &[Kind]) -> Effort {
-    Effort { reference: Reference::new(1e-6), ..Effort::cases(24) }.of_kinds(kinds)
+    Effort { reference: Reference::new(1e-6), ..Effort::cases(40) }.of_kinds(kinds)
 }
 
 fn errors_fall_over(kinds: &[Kind]) {

@@ -11,7 +11,7 @@ use vr_texslice::{Format, Proxy, TextureSlicer};
 
 /// Scenes of some kinds, with a truth that is as good as f32 can show.
 fn few(kinds: &[Kind]) -> Effort {
-    Effort { reference: Reference::new(1e-6), ..Effort::cases(24) }.of_kinds(kinds)
+    Effort { reference: Reference::new(1e-6), ..Effort::cases(40) }.of_kinds(kinds)
 }
 
 /// Kinds of both tests are drawn by the same three renderers, which share each scene's reference.
