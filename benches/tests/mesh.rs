@@ -17,7 +17,7 @@ fn a_plane_at_a_depth_is_a_ray_cut_there() {
     let caster = RayCaster { step: Step::Uniform(0.1), ..RayCaster::default() };
     // And how far apart layer and clip may be: rounding in f32 over hundreds of steps, and of the layer's depth to f32.
     let renderers: [(Box<dyn Renderer>, f32); 2] = [(Box::new(caster), 2e-5), (Box::new(Reference::default()), 2e-6)];
-    for subject in phantom_subjects(24, [10; 2]).expect("enough samples") {
+    for subject in phantom_subjects(24, [20; 2]).expect("enough samples") {
         let (low, high) = subject.scene.volume.bounds();
         let (middle, normal) = (0.5 * (low + high), DVec3::new(1.0, 2.0, 2.0) / 3.0);
         let right = normal.any_orthonormal_vector() * 20.0 * (high - low).length();
@@ -28,7 +28,7 @@ fn a_plane_at_a_depth_is_a_ray_cut_there() {
         let surface = Surface { color: Some([0.25, 0.5, 2.0]), shading, ..Surface::new(square) };
         let with_square = Scene { surfaces: Some(Arc::new(surface)), ..subject.scene.clone() };
         for fov in [None, Some(35.0)] {
-            let view = View::new(Camera::framing((low, high), 25.0, 15.0, fov), [10; 2]);
+            let view = View::new(Camera::framing((low, high), 25.0, 15.0, fov), [20; 2]);
             let layer = with_square.layer(&view, &control).expect("a layer").expect("of a square");
             let plane = Plane { normal, offset: normal.dot(middle) };
             let cut = View { clip: Clip { planes: vec![plane], crop: None }, ..view.clone() };

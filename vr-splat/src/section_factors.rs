@@ -23,11 +23,11 @@ pub(crate) type Row = [f32; ROW];
 
 /// G(b, z) = ∫₀ᶻ W along a line that passes the middle of a cubic spline at a distance b, as Σᵣ Aᵣ(b) Bᵣ(z).
 ///
-/// Where rays are parallel, a face of a sheet has the same z on all of them, so that the differences of Bᵣ are computed once for a sheet. A section then costs little more than
-/// a polynomial. The sections of all sheets add up to G at the ends, as they do with any table of G.
+/// All parallel rays cross a face of a sheet at the same z, so the differences of Bᵣ are computed only once per sheet. Evaluating a section then costs little more than
+/// evaluating a polynomial. The sections of all sheets add up to the difference of G between the ends, as they do with any table of G.
 ///
-/// Aᵣ are (1 − b)³ to (1 − b)⁷ and (1 − b²)^(7/2), and for the kernel's core (1 − 2b)³ to (1 − 2b)⁵ and (1 − 4b²)^(7/2); each is 0 where its base is negative. Beyond the chord, G
-/// falls towards the rim as the powers of 7/2 do. The largest error is 6·10⁻⁶ of the longest chord's integral, a fourth of that of a chord's polynomial.
+/// Aᵣ are (1 − b)³ to (1 − b)⁷ and (1 − b²)^(7/2), and for the kernel's core (1 − 2b)³ to (1 − 2b)⁵ and (1 − 4b²)^(7/2); each is 0 where its base is negative. The powers of 7/2
+/// describe how G falls towards the rim once z is beyond the chord. The largest error is 6·10⁻⁶ of the longest chord's integral, a fourth of that of a chord's polynomial.
 pub(crate) struct SectionFactors {
     /// Bᵣ, a row for each z, the last one twice.
     along: Vec<Row>,

@@ -72,8 +72,8 @@ fn waits(browser: &mut Browser) -> String {
     format!("{:.0} ms, 95 %: {:.0} ms", quantile(&waits, 0.5), quantile(&waits, 0.95))
 }
 
-/// Tells of the moving pictures that were sampled.
-fn tell_of_seen(browser: &mut Browser, name: &str) {
+/// Prints the size, the error and the times of the moving pictures that were sampled: medians.
+fn print_sampled(browser: &mut Browser, name: &str) {
     let seen = browser.value("(() => { clearInterval(window.vrSampling); return window.vrSeen; })()");
     let column = |k: usize| sorted(&seen.as_array().into_iter().flatten().map(|row| row[k].clone()).collect());
     let [sides, errors, times, renewals] = [0, 1, 2, 3].map(column);
@@ -158,7 +158,7 @@ fn main() {
     let rate = browser.value("window.vr.status.rate()").as_f64().unwrap_or(f64::NAN);
     println!("{name}: {rate:.0} pictures a second in an orbit");
     println!("{name}: move to picture {}", waits(&mut browser));
-    tell_of_seen(&mut browser, &format!("{name}: pictures"));
+    print_sampled(&mut browser, &format!("{name}: pictures"));
     for (stage, word) in [("whole", "all pixels"), ("sharp", "sharp"), ("measured", "measured"), ("proven", "proven")] {
         // Stages that were not reached are left out.
         if let Some(time) = stages[stage].as_f64() {
@@ -181,5 +181,5 @@ fn main() {
     // The last picture is waited for.
     browser.value("new Promise((done) => setTimeout(done, 500))");
     println!("{name}: edit to picture {}", waits(&mut browser));
-    tell_of_seen(&mut browser, &format!("{name}: edited pictures"));
+    print_sampled(&mut browser, &format!("{name}: edited pictures"));
 }

@@ -32,7 +32,7 @@ pub(super) fn class_of(voxels: f64) -> u8 {
     class.clamp(0.0, CLASSES as f64 - 1.0) as u8
 }
 
-/// Class of a block by its range of levels, for the ranges of some blocks.
+/// Class of a block by its range of levels, for the ranges that occur in a volume.
 pub(super) struct Classes {
     /// Table of 256 × 256 classes: lower level, upper level.
     table: Vec<u8>,
@@ -179,9 +179,9 @@ impl LevelVariations {
 }
 
 impl Classes {
-    /// Makes the classes of blocks with these ranges.
+    /// Makes the classes of the blocks of a volume, which have these ranges.
     pub(super) fn new(variations: &LevelVariations, ranges: &[[u8; 2]], voxel: f64, error: f64) -> Self {
-        // A small part of all ranges occurs, and only these are worth their square roots and logarithms each time a transfer function is edited.
+        // Few of the 32,896 possible ranges occur, and a transfer function may be edited many times a second: the others are left out.
         let mut occurs = vec![false; LEVELS * LEVELS];
         ranges.iter().for_each(|&range| occurs[place_of(range)] = true);
         // An empty range (all vacuum) is clear.

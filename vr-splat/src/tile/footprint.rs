@@ -126,7 +126,7 @@ fn beside<S: Simd>(simd: S, axes: &Axes, block: &Block, at: &Splat) -> [f32x16<S
     [x * lever - at.place[0], y * lever - at.place[1]]
 }
 
-/// Squared distances of parallel rays from a splat, of which `square` is that of a unit of the view.
+/// Squared distances of parallel rays from a splat in kernel space, where a unit of the view has the squared length `square`.
 #[inline(always)]
 pub(super) fn parallel_square<S: Simd>(simd: S, block: &Block, at: &Splat, square: f32) -> f32x16<S> {
     let (u, v) = (block.lateral[0].load(simd) - at.place[0], block.lateral[1].load(simd) - at.place[1]);

@@ -27,7 +27,7 @@ export class Curve {
     this.selected = -1;
     this.marked = null;
     this.drag = null;
-    /** Size of the drawing; the element's own is asked for only when it changes, since each question has the page laid out. */
+    /** Size of the drawing in pixels. Kept, since reading the element's size between changes makes the browser lay out the page each time. */
     this.box = { width: 1, height: 1 };
     element.addEventListener("pointerdown", (e) => this.down(e));
     element.addEventListener("pointermove", (e) => this.move(e));
@@ -58,6 +58,7 @@ export class Curve {
     this.chosen(this.points[index] ?? null);
   }
 
+  /** Takes over the size of the element. */
   resized() {
     const { clientWidth, clientHeight } = this.element;
     this.box = { width: Math.max(clientWidth - 2 * EDGE, 1), height: Math.max(clientHeight - 2 * EDGE, 1) };

@@ -252,10 +252,8 @@ impl Engine {
         let (mut bound, mut rmse) = (None, None);
         let (stage, task) = match next {
             Next::Draft => {
-                let renewed =
-                    (0..=QUICK.len()).filter(|&setting| self.renews(SlotName::Quick(setting), scene_revision));
-                let renewed: Vec<usize> = renewed.collect();
-                let renews = |setting| renewed.contains(&setting);
+                let slots = &self.slots;
+                let renews = |setting| !has_seen(slots, SlotName::Quick(setting), scene_revision);
                 let choice = self.moving.choose(full, |setting| has_quick(document, setting), renews);
                 let Choice { setting, size, .. } = choice;
                 (view.size, view.supersampling, rmse) = (size, 1, choice.rmse);
@@ -313,11 +311,6 @@ impl Engine {
         }
     }
 
-    /// True if the renderer of a slot has to see a revision of the scene first.
-    fn renews(&self, slot: SlotName, scene_revision: u64) -> bool {
-        self.slots.get(&slot).is_none_or(|slot| slot.scene_revision != scene_revision)
-    }
-
     /// Takes a renderer out of its slot and updates it to the job's scene, or prepares it. One that is cancelled half-way is lost, and prepared anew the next time.
     fn prepared(
         &mut self,
@@ -346,7 +339,7 @@ impl Engine {
         control: &Control,
     ) -> Result<(), RenderError> {
         let start = Instant::now();
-        let renews = self.renews(slot, job.scene_revision);
+        let is_known = has_seen(&self.slots, slot, job.scene_revision);
         let kept = self.prepared(job, (renderer, slot), control)?;
         let prepare = start.elapsed();
         let prepared = &mut self.slots.entry(slot).or_insert(kept).prepared;
@@ -361,7 +354,7 @@ impl Engine {
         let (error, full_size) = match job.stage {
             Stage::Draft | Stage::Finer => {
                 if job.stage == Stage::Draft {
-                    let renewal = renews.then_some(prepare.as_secs_f64());
+                    let renewal = (!is_known).then_some(prepare.as_secs_f64());
                     self.moving.measured(pixels, start.elapsed().as_secs_f64(), renewal);
                 } else if job.view.size == job.full_size {
                     self.whole_cost = Some((prepare + start.elapsed()).as_secs_f64() / pixels as f64);
@@ -450,7 +443,7 @@ impl Engine {
             return Ok(None);
         }
         let name = SlotName::Quick(setting);
-        let is_known = !self.renews(name, job.scene_revision);
+        let is_known = has_seen(&self.slots, name, job.scene_revision);
         let start = Instant::now();
         let kept = self.prepared(job, (renderer, name), control)?;
         let prepared = &mut self.slots.entry(name).or_insert(kept).prepared;
@@ -510,6 +503,11 @@ fn coarseness(size: [u32; 2], full: [u32; 2]) -> i32 {
 fn setting_of(document: &Document) -> String {
     let options = &document.file_render().options;
     format!("{} {} {options:?}", document.volume_revision(), document.renderer_name())
+}
+
+/// True if a slot has a renderer that has seen a revision of the scene.
+fn has_seen(slots: &BTreeMap<SlotName, Slot>, name: SlotName, scene_revision: u64) -> bool {
+    slots.get(&name).is_some_and(|slot| slot.scene_revision == scene_revision)
 }
 
 /// True if a quick setting draws a document's scene.

@@ -164,15 +164,17 @@ impl Moving {
         Choice { setting, size: self.pace.1.size(full), rmse: None }
     }
 
-    /// Records the time of the picture that was chosen last, and the time it took to prepare the scene anew, if that was necessary.
+    /// Records the time of the picture that was chosen last, and the time to prepare its scene before it, if the scene had changed.
     pub(super) fn measured(&mut self, pixels: u64, seconds: f64, renewal: Option<f64>) {
         match self.expected {
             Some((index, expected)) => {
                 let slower = (seconds / expected).clamp(1.0 / MAX_STRAIN, MAX_STRAIN).ln();
                 if let Some(Tried { strain, trial, .. }) = self.trials.get_mut(index) {
                     *strain += SHARE * (slower - *strain);
-                    // In its trial, a scene is prepared from nothing, or was prepared already.
-                    trial.renewal += SHARE * renewal.map_or(0.0, |renewal| renewal - trial.renewal);
+                    // The trial has prepared the scene from nothing, or has found it prepared: neither is what an edit costs.
+                    if let Some(renewal) = renewal {
+                        trial.renewal += SHARE * (renewal - trial.renewal);
+                    }
                 }
             }
             None => self.pace.1.measured(pixels, std::time::Duration::from_secs_f64(seconds)),
