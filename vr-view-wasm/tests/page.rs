@@ -248,7 +248,8 @@ fn a_dropped_file_is_read_in_the_page_and_undone() {
 #[test]
 fn an_edit_cancels_what_it_makes_stale() {
     let _turn = turn();
-    let Some((mut browser, _folder)) = opened(SIZE) else { return };
+    // The proof of a large picture takes seconds on any machine.
+    let Some((mut browser, _folder)) = opened(SIZE.map(|n| 2 * n)) else { return };
     // The proof is on its way as soon as the error is measured; turn in the middle of it.
     browser.wait("window.vr?.status.head?.stage === 'measured'");
     std::thread::sleep(Duration::from_millis(200));
