@@ -83,12 +83,19 @@ pub(crate) struct SurfaceLook<'a, R = f32> {
 }
 
 impl<R: Real> SurfaceLook<'_, R> {
-    /// Shades the surface that a ray meets at the depth of a value.
-    pub(crate) fn shade(&mut self, ray: &Ray, value: &mut RayValue) {
+    /// Shades the surface that a ray meets at the depth of a value. Where rounding has put that place into vacuum, its gradient is that of the depth `behind`.
+    pub(crate) fn shade(&mut self, ray: &Ray, value: &mut RayValue, behind: f64) {
         let lights = lights_along(&mut self.lights, self.shader, ray.direction);
-        let Some(part) =
-            IndexRay::new(ray, self.source.placement(), self.source.dims(), &Clip::default(), f64::INFINITY)
-        else {
+        let grid = match self.source {
+            Source::Grid(grid) => grid,
+            Source::Other(field) => {
+                let gradient = |depth: f64| field.gradient(ray.origin + ray.direction * depth);
+                let found = gradient(value.depth).or_else(|| gradient(behind)).unwrap_or_default();
+                self.shader.reflect_by(lights, found.map(R::from_f64), value);
+                return;
+            }
+        };
+        let Some(part) = IndexRay::new(ray, grid.placement(), grid.dims(), &Clip::default(), f64::INFINITY) else {
             return;
         };
         let chord = Chord { source: self.source, colors: None, ray: part };

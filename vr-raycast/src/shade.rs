@@ -121,7 +121,12 @@ impl<R: Real> Shader<R> {
         chord.place_point(run, value.depth - chord.ray.offset);
         run.light[0] = [R::ONE; 4];
         chord.gradients(run, self.method());
-        let (factor, added) = lights.reflect(self.world(run.gradient[0]));
+        self.reflect_by(lights, run.gradient[0], value);
+    }
+
+    /// Shades a surface by its gradient per index step.
+    pub(crate) fn reflect_by(&self, lights: &RayShading<R>, gradient: [R; 3], value: &mut RayValue) {
+        let (factor, added) = lights.reflect(self.world(gradient));
         for c in 0..3 {
             value.rgba[c] = value.rgba[c] * factor[c].to_f64() + added[c].to_f64();
         }

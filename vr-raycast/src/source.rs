@@ -129,14 +129,18 @@ impl FieldBox {
         self.field().and_then(|field| field.color(self.world(position)))
     }
 
+    /// Returns the gradient at a place in the world, per index step; `None` in vacuum, and of fields that have none.
+    pub(crate) fn gradient(&self, at: DVec3) -> Option<[f64; 3]> {
+        let gradient = self.field()?.gradient(at)?;
+        Some((self.placement.axes().transpose() * gradient).to_array())
+    }
+
     /// Fills the gradients of a placed run, per index step, where something absorbs or shines.
     pub(crate) fn gradients<R: Real>(&self, run: &mut Run<R>) {
-        let to_index = self.placement.axes().transpose();
         for j in 0..run.len() {
             if run.light[j] != [R::ZERO; 4] {
                 let world = self.world(run.position_of(j));
-                let gradient = self.field().and_then(|field| field.gradient(world)).unwrap_or_default();
-                run.gradient[j] = (to_index * gradient).to_array().map(R::from_f64);
+                run.gradient[j] = self.gradient(world).unwrap_or_default().map(R::from_f64);
             }
         }
     }

@@ -1,7 +1,5 @@
 //! Parts of blocks, with the ranges of the field in them.
 
-use std::collections::HashMap;
-
 use super::block::AmrCentring;
 use super::check::each_index;
 use super::grid::AmrGrid;
@@ -27,8 +25,8 @@ pub(super) struct Bricks {
     faces: Vec<[u32; 6]>,
     /// Sides of each block that no coarser leaf touches.
     complete: Vec<u32>,
-    /// Elements of the bricks parts of which may be vacuum.
-    solid_elements: HashMap<usize, SolidElements>,
+    /// Elements of the bricks parts of which may be vacuum, in the order of the bricks.
+    solid_elements: Vec<SolidElements>,
 }
 
 /// Number for a face beside which no such block lies.
@@ -47,6 +45,8 @@ pub(super) struct Brick {
     pub(super) grain: u8,
     /// True if parts of it may be vacuum.
     pub(super) has_vacuum: bool,
+    /// Number of its elements among those that are kept, if parts of it may be vacuum.
+    elements: u32,
 }
 
 impl Bricks {
@@ -80,8 +80,11 @@ impl Bricks {
             // The samples around a place tell.
             AmrCentring::Cells => Vec::new(),
         };
-        let bricks = lists.concat();
-        let doubtful = |number: usize| bricks_with_vacuum(grid, number, &starts, &bricks);
+        let mut bricks = lists.concat();
+        for (number, brick) in bricks.iter_mut().filter(|brick| brick.has_vacuum).enumerate() {
+            brick.elements = number as u32;
+        }
+        let doubtful = |number: usize| elements_with_vacuum(grid, number, &bricks[starts[number]..]);
         let solid_elements = collect(grid.blocks.len(), doubtful).into_iter().flatten().collect();
         Self { starts, bricks, leaves, solid, faces, complete, solid_elements }
     }
@@ -130,7 +133,8 @@ impl Bricks {
     /// Elements that are not vacuum of a brick parts of which may be.
     #[inline]
     pub(super) fn solid_elements(&self, number: usize) -> Option<&SolidElements> {
-        self.solid_elements.get(&number)
+        let brick = self.bricks.get(number).filter(|brick| brick.has_vacuum)?;
+        self.solid_elements.get(brick.elements as usize)
     }
 
     /// The brick at a place among those of a block.
@@ -139,14 +143,14 @@ impl Bricks {
     }
 }
 
-/// Elements of the bricks of a block parts of which may be vacuum, with the numbers of these.
-fn bricks_with_vacuum(grid: &AmrGrid, block: usize, starts: &[usize], bricks: &[Brick]) -> Vec<(usize, SolidElements)> {
+/// Elements that are not vacuum, of those bricks of a block parts of which may be; `bricks` begins with the block's own.
+fn elements_with_vacuum(grid: &AmrGrid, block: usize, bricks: &[Brick]) -> Vec<SolidElements> {
     let [from, to] = brick_box(grid, block);
-    let found = |(number, at): (usize, [i64; 3])| {
+    let found = |(brick, at): (&Brick, [i64; 3])| {
         let [first, end] = cells_of_brick(grid, block, at);
-        bricks[number].has_vacuum.then(|| (number, SolidElements::new(grid, grid.blocks[block].level, first, end)))
+        brick.has_vacuum.then(|| SolidElements::new(grid, grid.blocks[block].level, first, end))
     };
-    (starts[block]..).zip(each_index(from, to)).filter_map(found).collect()
+    bricks.iter().zip(each_index(from, to)).filter_map(found).collect()
 }
 
 /// First cell of a brick, and the end of its cells.
@@ -214,6 +218,7 @@ fn brick(grid: &AmrGrid, number: usize, at: [i64; 3]) -> Brick {
         has_leaf: covered < cells_in,
         grain: grain as u8,
         has_vacuum: false,
+        elements: 0,
     };
     if brick.has_leaf {
         enclose(grid, block.level, from.map(|x| x - 1), to.map(|x| x + 1), &mut brick);

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::grid::AmrGrid;
-use super::level::{corner, divided, plus};
+use super::level::{corner, divided, floor, plus};
 use super::nodes::Quantity;
 
 /// An element of a leaf: an octant of a cell with a value in its middle, or a cell between points.
@@ -22,7 +22,7 @@ impl AmrGrid {
     pub(super) fn finest_node(&self, at: DVec3) -> [i64; 3] {
         let position = (at - self.origin) * self.levels[self.levels.len() - 1].rate;
         let [low, high] = self.inner_nodes();
-        std::array::from_fn(|a| (position[a].floor() as i64).clamp(low[a], high[a] - 1))
+        std::array::from_fn(|a| floor(position[a]).clamp(low[a], high[a] - 1))
     }
 
     /// The element that holds a world position within the box of the values; `None` where there are no cells.

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::bricks::{Bricks, EDGE};
 use super::grid::AmrGrid;
-use super::level::{divided, plus, times};
+use super::level::{divided, floor, plus, times};
 use crate::box_tree::LocalLine;
 use crate::ray::Ray;
 
@@ -160,7 +160,7 @@ impl AmrTraversal<'_> {
         self.level = level;
         let held = &grid.blocks[block];
         let (first, end) = (held.first, plus(held.first, held.cells(grid.centring).map(|n| n as i64)));
-        if let Some(solid) = found.has_vacuum.then(|| self.bricks.solid_elements(place)).flatten() {
+        if let Some(solid) = self.bricks.solid_elements(place) {
             let from = std::array::from_fn(|a| (first[a] + (cell[a] - first[a]) / EDGE * EDGE) * elements);
             let cube = solid.cube_at(plus(node, from.map(|i| -i)));
             // Vacuum and finer cells are told apart element by element.
@@ -276,13 +276,6 @@ impl Iterator for AmrTraversal<'_> {
         }
         None
     }
-}
-
-/// Largest whole number that is not above another: where a machine has no instruction for it, several times as fast as the standard library's.
-#[inline]
-fn floor(x: f64) -> i64 {
-    let cut = x as i64;
-    cut - i64::from(cut as f64 > x)
 }
 
 /// Part of a line between two distances that is inside a box; `None` if nothing of positive length is.

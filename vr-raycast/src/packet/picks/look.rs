@@ -53,24 +53,23 @@ impl<'a, 'p, R: Real> PickLook<'a, 'p, R> {
         let has_colors = self.plain.colors.is_some();
         if has_colors || self.surface.is_some() {
             let ray = self.plain.rays.at(spot.x, spot.y);
-            value.depth = self.place(&ray, number.depth);
+            // Where rounding has put the begin of a field into vacuum, the field is a little behind it.
+            let behind = number.depth + BEHIND * self.plain.walks.step;
             if has_colors {
-                let color = self.plain.color_at(&ray, value.depth);
+                let color = self.plain.color_at(&ray, self.place(&ray, [number.depth, behind]));
                 (0..3).for_each(|c| value.rgba[c] *= color[c]);
             }
             if let Some(surface) = &mut self.surface {
-                surface.shade(&ray, &mut value);
+                surface.shade(&ray, &mut value, behind);
             }
-            value.depth = number.depth;
         }
         value.into()
     }
 
-    /// Depth at which what was picked at a depth is looked at: a little behind it, where rounding has put the begin of a field into vacuum.
-    fn place(&self, ray: &Ray, depth: f64) -> f64 {
+    /// The first of two depths, or the second where a field is there alone.
+    fn place(&self, ray: &Ray, [depth, behind]: [f64; 2]) -> f64 {
         let Some(field) = self.plain.scene.volume.field() else { return depth };
         let is_field = |depth: f64| field.value(ray.origin + ray.direction * depth).is_some();
-        let behind = depth + BEHIND * self.plain.walks.step;
         if !is_field(depth) && is_field(behind) { behind } else { depth }
     }
 }
