@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use vr_core::amr::{AmrCentring, AmrGrid, AmrSampling};
+use vr_core::labels::{LabelMap, LabelStyle, LabelledGrid};
 use vr_core::rectilinear::{Centering, RectilinearGrid};
 use vr_core::*;
 use vr_raycast::{RayCaster, Vector};
@@ -33,6 +34,28 @@ fn rectilinear(side: usize) -> Volume {
     }
     let axes = [places.clone(), places.clone(), places];
     Volume::Rectilinear(Arc::new(RectilinearGrid::new(axes, values, Centering::Points).expect("places rise")))
+}
+
+/// A grid over the unit cube with labels, which are drawn as `transfer` says under the first: the volume as it is, tinted, solid, and hidden.
+fn labelled(side: usize, transfer: &TransferFunction) -> (Volume, TransferFunction) {
+    let at = |i: usize| DVec3::from_array([i % side, i / side % side, i / side / side].map(|k| k as f64)) / side as f64;
+    let placement = Placement::from_spacing([1.0 / side as f64; 3]).expect("edges are positive");
+    let of = |samples: Vec<f32>| UniformGrid::new([side; 3], samples, placement, Calibration::default());
+    let values = of((0..side.pow(3)).map(|i| wave(at(i))).collect()).expect("one for each voxel");
+    // Shells around the middle, an eighth of the cube thick.
+    let shell = |i: usize| ((8.0 * at(i).distance(DVec3::splat(0.5))) as usize).min(3) as f32;
+    let labels = of((0..side.pow(3)).map(shell).collect()).expect("one for each voxel");
+    let style = |label| match label {
+        0 => LabelStyle::Solid { color: [1.0, 0.2, 0.1], opacity: 0.1 },
+        1 => LabelStyle::Hidden,
+        2 => LabelStyle::Tinted { color: [0.2, 1.0, 0.4], opacity: 0.5 },
+        _ => LabelStyle::VOLUME,
+    };
+    let volume = Arc::new(GridVolume::new(values.into(), Filter::Trilinear));
+    let map = Arc::new(LabelMap::new(&labels.into()).expect("whole numbers"));
+    let field = LabelledGrid::new(volume, map, style).expect("both cover the cube");
+    let transfer = field.transfer(transfer).expect("it is by value alone");
+    (Volume::Field(Arc::new(field)), transfer)
 }
 
 /// A mesh over the unit cube in blocks of 16³ cells, of three levels, fine near the surface of a ball.
@@ -65,11 +88,13 @@ fn volumes(side: usize, count: usize) -> Vec<(&'static str, Volume, TransferFunc
         ControlPoint::new(1.0, [1.0, 0.7, 0.2], 0.1),
     ];
     let of_grid = TransferFunction::new(of_grid, OpacityRule::Power, 1.0 / side as f64).expect("it is one");
+    let (labels, of_labels) = labelled(side, &of_grid);
     let mean = || points("turbulence").with_mixing(PointMixing::Mean).expect("weights are positive");
     let colored = |points: PointSet| points.with_colors((0..count).map(color).collect()).expect("they are colours");
     vec![
         ("rectilinear", rectilinear(side), of_grid.clone()),
         ("adaptive", adaptive(side), of_grid),
+        ("labels", labels, of_labels),
         ("sums", points("turbulence").into(), transfer_of("turbulence")),
         ("means", mean().into(), transfer_of("turbulence")),
         ("coloured sums", colored(points("turbulence")).into(), transfer_of("turbulence")),
@@ -116,6 +141,11 @@ fn main() {
     for (name, volume, transfer) in volumes(side, count).into_iter().filter(|v| is_asked(&which, v.0)) {
         let view = View::new(Camera::framing(volume.bounds(), 33.0, 21.0, None), [size as u32; 2]);
         for (look, scene) in looks(&volume, &transfer).into_iter().filter(|l| is_asked(&how, l.0)) {
+            // Codes of labels are not compared, nor told apart by gradients.
+            let has_codes = scene.volume.field().is_some_and(|field| field.values_are_codes());
+            if has_codes && (!scene.compositing.integrates_light() || scene.transfer.has_rows()) {
+                continue;
+            }
             let mut engines = [Vector::Auto, Vector::Off].map(|vector| {
                 let caster = RayCaster { vector, ..RayCaster::uniform(0.5) };
                 (caster.prepare(&scene, &control).expect("it can draw this"), f64::INFINITY, None)

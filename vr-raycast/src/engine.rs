@@ -9,7 +9,9 @@ use crate::caster::{Precision, RayCaster, Step, TransferLookup};
 use crate::error_bound::ErrorBound;
 use crate::pace::{Lengths, cells_of_parts};
 use crate::packet::level;
-use crate::packet::{PacketEngine, PatchEngine, PatchPickEngine, PickEngine, PointEngine, PointPickEngine};
+use crate::packet::{
+    LabelEngine, PacketEngine, PatchEngine, PatchPickEngine, PickEngine, PointEngine, PointPickEngine,
+};
 use crate::render_tables::TablesByPrecision;
 use crate::source::Source;
 use crate::step_map::RangeSteps;
@@ -26,6 +28,8 @@ pub(crate) enum Engine {
     Patches(Box<PatchEngine>, TablesByPrecision, Lengths),
     /// Vector engine for scattered points.
     Points(Box<PointEngine>, TablesByPrecision, Lengths),
+    /// Vector engine for grids with labels.
+    Labels(Box<LabelEngine>, TablesByPrecision, Lengths),
     /// Vector engine for operators that pick a value of such patches.
     PatchPicks(Box<PatchPickEngine>, TablesByPrecision, Lengths),
     /// Vector engine for operators that pick a value of scattered points.
@@ -45,6 +49,7 @@ impl Engine {
             | Self::Picks(_, kernel)
             | Self::Patches(_, kernel, _)
             | Self::Points(_, kernel, _)
+            | Self::Labels(_, kernel, _)
             | Self::PatchPicks(_, kernel, _)
             | Self::PointPicks(_, kernel, _)
             | Self::Field(kernel, _) => Some(kernel),
@@ -57,6 +62,7 @@ impl Engine {
         match self {
             Self::Patches(_, _, lengths)
             | Self::Points(_, _, lengths)
+            | Self::Labels(_, _, lengths)
             | Self::PatchPicks(_, _, lengths)
             | Self::PointPicks(_, _, lengths)
             | Self::Field(_, lengths) => Some(lengths),
@@ -79,6 +85,9 @@ impl Engine {
             let lengths = lengths(caster, scene, source.placement());
             if let Some(points) = PointEngine::new(caster, scene, source) {
                 return Ok(Self::Points(Box::new(points), kernel, lengths));
+            }
+            if let Some(labels) = LabelEngine::new(caster, scene, source) {
+                return Ok(Self::Labels(Box::new(labels), kernel, lengths));
             }
             if let Some(picks) = PointPickEngine::new(caster, scene, source) {
                 return Ok(Self::PointPicks(Box::new(picks), kernel, lengths));

@@ -11,7 +11,7 @@ use crate::engine::Engine;
 use crate::error_bound::BoundedRays;
 use crate::leap::visibility;
 use crate::pace::Pace;
-use crate::packet::{PacketFrame, PatchFrame, PatchPickFrame, PickFrame, PointFrame, PointPickFrame};
+use crate::packet::{LabelFrame, PacketFrame, PatchFrame, PatchPickFrame, PickFrame, PointFrame, PointPickFrame};
 use crate::pipeline::Pipeline;
 use crate::place_colors::PlaceColors;
 use crate::polled_tracer::PolledTracer;
@@ -136,6 +136,7 @@ impl Prepared for PreparedCaster {
             | Engine::Picks(_, kernel)
             | Engine::Patches(_, kernel, _)
             | Engine::Points(_, kernel, _)
+            | Engine::Labels(_, kernel, _)
             | Engine::PatchPicks(_, kernel, _)
             | Engine::PointPicks(_, kernel, _) => (kernel, false),
             Engine::ErrorBound(_) => return Ok(None),
@@ -174,6 +175,7 @@ impl PreparedCaster {
             Engine::Packets(engine, _) => Box::new(PacketFrame::new(engine, &engine.volume, seen)?),
             Engine::Patches(engine, ..) => Box::new(PatchFrame::new(engine, &self.source, seen)?),
             Engine::Points(engine, ..) => Box::new(PointFrame::new(engine, seen)?),
+            Engine::Labels(engine, ..) => Box::new(LabelFrame::new(engine, (&self.scene, &self.source), seen)?),
             Engine::ErrorBound(error_bound) => {
                 let single = self.caster.precision == Precision::F32;
                 Box::new(BoundedRays {

@@ -33,6 +33,7 @@ use std::fmt;
 
 use glam::DVec3;
 
+use crate::labels::LabelledGrid;
 use crate::ray::Ray;
 use crate::view::Clip;
 
@@ -122,6 +123,11 @@ pub trait Field: Send + Sync + fmt::Debug {
     /// The field along a ray, within the clip and up to the world distance `far`, with gradients if they are asked for; `None` where the ray
     /// does not meet the field there.
     fn along<'a>(&'a self, ray: &Ray, clip: &Clip, far: f64, gradients: bool) -> Option<Box<dyn FieldLine + 'a>>;
+
+    /// This field as a grid with labels, if it is one: renderers may have kernels for it.
+    fn as_labelled_grid(&self) -> Option<&LabelledGrid> {
+        None
+    }
 
     /// Makes the structures that queries need beyond the data, so that the first frame does not pay for them.
     fn prepare_derived(&self) {}

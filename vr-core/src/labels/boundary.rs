@@ -4,14 +4,14 @@ use glam::DVec3;
 
 use super::label_map::LabelMap;
 
-/// Gradient of a smoothed region in one cell of the labels' lattice.
+/// Smoothed region around one cell of the labels' lattice.
 ///
 /// A region is 1 at its own voxels and 0 at all others. At each voxel its gradient is taken by the operator of Sobel in three dimensions: central
 /// differences across, smoothed by (1, 2, 1)/4 along the other two axes; between voxels it is interpolated trilinearly. It points to the
 /// inside, and is 0 where all of the 4³ voxels around belong to the region.
 pub(super) struct BoundaryCell {
-    /// Gradient per index step at the eight corners, x fastest.
-    corners: [DVec3; 8],
+    /// 1 for the voxels of the region, of the 4³ around the cell, x fastest; `None` where all of them or none belong to it.
+    region: Option<[f64; 64]>,
     /// Index of the lowest corner.
     low: DVec3,
 }
@@ -19,9 +19,6 @@ pub(super) struct BoundaryCell {
 /// Surroundings of a lattice beyond its outermost voxels, on the low and the high side of each axis: true if background can be seen there, false
 /// if the labels end where the volume does, so that the region goes on.
 pub(super) type OpenSides = [[bool; 2]; 3];
-
-const SMOOTH: [f64; 3] = [0.25, 0.5, 0.25];
-const ACROSS: [f64; 3] = [-0.5, 0.0, 0.5];
 
 impl BoundaryCell {
     /// The cell around a position in index space, of the region of all ranks for which `inside` is true.
@@ -37,40 +34,38 @@ impl BoundaryCell {
             })
         });
         let background = inside(map.background());
-        let mut region = [false; 64];
+        let mut region = [0.0; 64];
         let mut count = 0;
         for (i, of) in region.iter_mut().enumerate() {
             let [x, y, z] = [taps[0][i % 4], taps[1][i / 4 % 4], taps[2][i / 16]];
-            *of = match (x, y, z) {
+            let is_inside = match (x, y, z) {
                 (Some(x), Some(y), Some(z)) => inside(map.rank([x, y, z])),
                 _ => background,
             };
-            count += usize::from(*of);
+            *of = f64::from(u8::from(is_inside));
+            count += usize::from(is_inside);
         }
-        let mut corners = [DVec3::ZERO; 8];
-        if count == 0 || count == 64 {
-            return Self { corners, low };
-        }
-        for (corner, sum) in corners.iter_mut().enumerate() {
-            let first = [corner & 1, corner >> 1 & 1, corner >> 2];
-            for tap in 0..27 {
-                let [i, j, k] = [tap % 3, tap / 3 % 3, tap / 9];
-                if region[first[0] + i + 4 * (first[1] + j) + 16 * (first[2] + k)] {
-                    let [si, sj, sk] = [SMOOTH[i], SMOOTH[j], SMOOTH[k]];
-                    *sum += DVec3::new(ACROSS[i] * sj * sk, si * ACROSS[j] * sk, si * sj * ACROSS[k]);
-                }
-            }
-        }
-        Self { corners, low }
+        Self { region: (count != 0 && count != 64).then_some(region), low }
     }
 
     /// Gradient per index step at a position in the cell.
     pub(super) fn gradient(&self, position: DVec3) -> DVec3 {
+        let Some(region) = &self.region else { return DVec3::ZERO };
+        // Operator and interpolation are products along the axes. Differences come first, so that equal numbers have none, not even by rounding.
         let t = position - self.low;
-        let lerp = |a: DVec3, b: DVec3, t: f64| a + (b - a) * t;
-        let row = |i: usize| lerp(self.corners[i], self.corners[i + 1], t.x);
-        let plane = |i: usize| lerp(row(i), row(i + 2), t.y);
-        lerp(plane(0), plane(4), t.z)
+        let mix = |low: f64, high: f64, t: f64| low + (high - low) * t;
+        let smooth = |v: [f64; 4], t: f64| 0.25 * mix(v[0] + 2.0 * v[1] + v[2], v[1] + 2.0 * v[2] + v[3], t);
+        let across = |v: [f64; 4], t: f64| 0.5 * mix(v[2] - v[0], v[3] - v[1], t);
+        let mut planes = [[0.0; 4]; 3];
+        for z in 0..4 {
+            let (mut steep, mut even) = ([0.0; 4], [0.0; 4]);
+            for y in 0..4 {
+                let row = std::array::from_fn(|x| region[x + 4 * y + 16 * z]);
+                (steep[y], even[y]) = (across(row, t.x), smooth(row, t.x));
+            }
+            (planes[0][z], planes[1][z], planes[2][z]) = (smooth(steep, t.y), across(even, t.y), smooth(even, t.y));
+        }
+        DVec3::new(smooth(planes[0], t.z), smooth(planes[1], t.z), across(planes[2], t.z))
     }
 }
 

@@ -69,7 +69,7 @@ impl LabelMap {
         let counts = LabelCounts::of(count, placement.axes().determinant().abs(), &label)?;
         // Rank the voxels where they stay.
         memory::check("the ranks of labels", (count * size_of::<u16>()) as u64)?;
-        let background = rank_of(counts.labels(), 0);
+        let background = rank_among(counts.labels(), 0);
         let mut ranks: Arc<[u16]> = repeat_n(background, count).collect();
         let places = Arc::get_mut(&mut ranks).expect("it has one owner so far");
         each_part(places.chunks_mut(PART), |part, ranks| {
@@ -79,7 +79,7 @@ impl LabelMap {
                 // Each has had its label a moment ago.
                 let label = label(part * PART + i).unwrap_or_default();
                 if label != last.0 {
-                    last = (label, rank_of(counts.labels(), label));
+                    last = (label, rank_among(counts.labels(), label));
                 }
                 *rank = last.1;
             }
@@ -162,7 +162,13 @@ impl LabelMap {
     /// Rank of the label of a voxel.
     #[inline]
     pub(super) fn rank(&self, [x, y, z]: [usize; 3]) -> u16 {
-        self.ranks[(z * self.dims[1] + y) * self.dims[0] + x]
+        self.rank_of((z * self.dims[1] + y) * self.dims[0] + x)
+    }
+
+    /// Rank of the label of the voxel of a number, x fastest.
+    #[inline]
+    pub(super) fn rank_of(&self, number: usize) -> u16 {
+        self.ranks[number]
     }
 }
 
@@ -174,7 +180,7 @@ pub(super) fn corners(placement: &Placement, dims: [usize; 3], margin: f64) -> [
     })
 }
 
-fn rank_of(labels: &[i32], label: i32) -> u16 {
+fn rank_among(labels: &[i32], label: i32) -> u16 {
     let rank = labels.partition_point(|&l| l < label);
     u16::try_from(rank).expect("there are 65536 labels at most")
 }

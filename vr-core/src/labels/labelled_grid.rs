@@ -67,7 +67,7 @@ pub struct LabelledGrid {
     /// The style of each band, all different; the first is the volume as it is.
     styles: Vec<LabelStyle>,
     /// Code of each rank.
-    codes: Vec<Code>,
+    codes: Vec<LabelCode>,
     /// Lower end of band 0, and the width of each.
     low: f64,
     width: f64,
@@ -79,14 +79,14 @@ pub struct LabelledGrid {
     open: OpenSides,
 }
 
-/// Code of a label.
+/// Code of a label: what the field's value is where it holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Code {
-    /// Vacuum.
+pub enum LabelCode {
+    /// Vacuum, of a hidden style.
     Vacuum,
-    /// The grid's value plus this.
+    /// The grid's value plus this: the begin of the style's band.
     Offset(f64),
-    /// One value.
+    /// One value, of a solid style.
     Constant(f64),
 }
 
@@ -113,7 +113,7 @@ impl LabelledGrid {
             let style = style(label);
             style.check(label)?;
             if style.is_hidden() {
-                codes.push(Code::Vacuum);
+                codes.push(LabelCode::Vacuum);
                 continue;
             }
             let band = styles.iter().position(|&s| s == style).unwrap_or_else(|| {
@@ -122,9 +122,9 @@ impl LabelledGrid {
             });
             let offset = band as f64 * width;
             codes.push(if style.is_solid() {
-                Code::Constant(low + offset + 0.5 * width)
+                LabelCode::Constant(low + offset + 0.5 * width)
             } else {
-                Code::Offset(offset)
+                LabelCode::Offset(offset)
             });
         }
         let shared = volume.placement() == labels.placement() && volume.dims() == labels.dims();
@@ -146,6 +146,33 @@ impl LabelledGrid {
     /// The labels.
     pub fn labels(&self) -> &Arc<LabelMap> {
         &self.labels
+    }
+
+    /// Source of the grid's gradient.
+    pub fn gradient_method(&self) -> GradientMethod {
+        self.gradient
+    }
+
+    /// The codes of its labels, each once.
+    pub fn codes(&self) -> Vec<LabelCode> {
+        let mut codes = Vec::new();
+        for code in &self.codes {
+            if !codes.contains(code) {
+                codes.push(*code);
+            }
+        }
+        codes
+    }
+
+    /// Code of the label of a world position.
+    pub fn code_at(&self, at: DVec3) -> LabelCode {
+        self.code(self.labels.rank_near(self.labels.placement().to_index(at)))
+    }
+
+    /// Gradient per world unit, at a world position, of the smoothed region in which a code holds: that of the field where a solid style is drawn.
+    pub fn region_gradient_at(&self, at: DVec3, code: LabelCode) -> DVec3 {
+        let position = self.labels.placement().to_index(at);
+        self.region_gradient(self.boundary(position, code).gradient(position))
     }
 
     /// Transfer function of the codes, from one for the grid's own values.
@@ -202,12 +229,12 @@ impl LabelledGrid {
 
     /// True if a label is drawn in a solid style.
     pub(super) fn has_solids(&self) -> bool {
-        self.codes.iter().any(|code| matches!(code, Code::Constant(_)))
+        self.codes.iter().any(|code| matches!(code, LabelCode::Constant(_)))
     }
 
     /// Code of a rank.
     #[inline]
-    pub(super) fn code(&self, rank: u16) -> Code {
+    pub(super) fn code(&self, rank: u16) -> LabelCode {
         self.codes[usize::from(rank)]
     }
 
@@ -226,7 +253,7 @@ impl LabelledGrid {
     }
 
     /// The smoothed region of a code around a position among the labels.
-    pub(super) fn boundary(&self, position: DVec3, code: Code) -> BoundaryCell {
+    pub(super) fn boundary(&self, position: DVec3, code: LabelCode) -> BoundaryCell {
         BoundaryCell::around(&self.labels, position, &self.open, |rank| self.code(rank) == code)
     }
 
@@ -279,17 +306,21 @@ impl Field for LabelledGrid {
     fn value(&self, at: DVec3) -> Option<f64> {
         let index = self.index(at)?;
         match self.code(self.labels.rank_near(self.among_labels(at, index))) {
-            Code::Vacuum => None,
-            Code::Constant(value) => Some(value),
-            Code::Offset(offset) => {
+            LabelCode::Vacuum => None,
+            LabelCode::Constant(value) => Some(value),
+            LabelCode::Offset(offset) => {
                 let stored = self.volume.stored_at(index.to_array());
                 (!stored.is_nan()).then(|| self.volume.calibration().value(stored) + offset)
             }
         }
     }
 
+    fn as_labelled_grid(&self) -> Option<&LabelledGrid> {
+        Some(self)
+    }
+
     fn values_are_codes(&self) -> bool {
-        self.codes.iter().any(|&code| code != Code::Vacuum && code != Code::Offset(0.0))
+        self.codes.iter().any(|&code| code != LabelCode::Vacuum && code != LabelCode::Offset(0.0))
     }
 
     fn has_gradient(&self) -> bool {
@@ -301,9 +332,9 @@ impl Field for LabelledGrid {
         let position = self.among_labels(at, index);
         let code = self.code(self.labels.rank_near(position));
         match code {
-            Code::Vacuum => None,
-            Code::Constant(_) => Some(self.region_gradient(self.boundary(position, code).gradient(position))),
-            Code::Offset(_) => {
+            LabelCode::Vacuum => None,
+            LabelCode::Constant(_) => Some(self.region_gradient(self.boundary(position, code).gradient(position))),
+            LabelCode::Offset(_) => {
                 let place = index.to_array();
                 let per_index = match self.gradient {
                     GradientMethod::Analytic => self.volume.stored_and_gradient_at(place).1,

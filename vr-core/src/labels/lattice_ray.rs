@@ -129,21 +129,24 @@ impl LatticeRay {
         if start >= end {
             return;
         }
-        // The voxel at the start, and the next face on each axis.
-        let position = self.at(start);
-        let mut voxel = [0usize; 3];
-        let mut next = [Crossed { distance: f64::INFINITY, error: 0.0, axis: 0, at: 0.0 }; 3];
-        let face_of = |a: usize, voxel: usize| {
-            let side = if self.direction[a] > 0.0 { 0.5 } else { -0.5 };
-            self.crossed(a, voxel as f64 + side)
-        };
+        // The voxel at the start, and on each axis the next face, its distance, and the number of voxels behind it. A distance that is multiplied and not divided
+        // may be off in its last place: it orders faces, and no more.
+        let (position, per_unit) = (self.at(start), self.direction.recip());
+        let [nx, ny, _] = map.dims();
+        let (mut voxel, mut face, mut next, mut behind) = ([0; 3], [0.0; 3], [f64::INFINITY; 3], [0; 3]);
+        let forward = self.direction.to_array().map(|rate| rate > 0.0);
         for a in 0..3 {
-            voxel[a] = ((position[a] + 0.5).floor().max(0.0) as usize).min(map.dims()[a] - 1);
+            let last = map.dims()[a] - 1;
+            voxel[a] = ((position[a] + 0.5).floor().max(0.0) as usize).min(last);
             if self.direction[a] != 0.0 {
-                next[a] = face_of(a, voxel[a]);
+                face[a] = voxel[a] as f64 + if forward[a] { 0.5 } else { -0.5 };
+                next[a] = (face[a] - self.origin[a]) * per_unit[a];
+                behind[a] = if forward[a] { last - voxel[a] } else { voxel[a] };
             }
         }
-        let mut rank = map.rank(voxel);
+        let strides = [1, nx, nx * ny];
+        let mut number = voxel[0] + strides[1] * voxel[1] + strides[2] * voxel[2];
+        let mut rank = map.rank_of(number);
         if let Some(face) = entered
             && rank != map.background()
         {
@@ -151,27 +154,33 @@ impl LatticeRay {
         }
         // From voxel to voxel.
         loop {
-            let axis = if next[0].distance <= next[1].distance { 0 } else { 1 };
-            let axis = if next[2].distance < next[axis].distance { 2 } else { axis };
-            let face = next[axis];
-            if face.distance.is_nan() || face.distance >= to {
+            let axis = if next[0] <= next[1] { 0 } else { 1 };
+            let axis = if next[2] < next[axis] { 2 } else { axis };
+            if next[axis].is_nan() || next[axis] >= to {
                 return;
             }
-            let left = if self.direction[axis] > 0.0 { voxel[axis] + 1 == map.dims()[axis] } else { voxel[axis] == 0 };
-            let behind = if left {
-                map.background()
-            } else {
-                voxel[axis] = if self.direction[axis] > 0.0 { voxel[axis] + 1 } else { voxel[axis] - 1 };
-                next[axis] = face_of(axis, voxel[axis]);
-                map.rank(voxel)
-            };
-            if behind != rank && face.distance > from {
-                each(face, [rank, behind]);
+            let is_last = behind[axis] == 0;
+            let last_rank = std::mem::replace(&mut rank, map.background());
+            let at = face[axis];
+            if !is_last {
+                behind[axis] -= 1;
+                if forward[axis] {
+                    (number, face[axis]) = (number + strides[axis], at + 1.0);
+                } else {
+                    (number, face[axis]) = (number - strides[axis], at - 1.0);
+                }
+                next[axis] = (face[axis] - self.origin[axis]) * per_unit[axis];
+                rank = map.rank_of(number);
             }
-            if left {
+            if rank != last_rank {
+                let crossed = self.crossed(axis, at);
+                if crossed.distance > from && crossed.distance < to {
+                    each(crossed, [last_rank, rank]);
+                }
+            }
+            if is_last {
                 return;
             }
-            rank = behind;
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::labelled_grid::{Code, LabelledGrid};
+use super::labelled_grid::{LabelCode, LabelledGrid};
 use super::lattice_ray::{Crossed, LatticeRay};
 use crate::bound::{Bound, largest};
 use crate::clip_error::clip_error;
@@ -96,7 +96,7 @@ impl<'a> LabelledLine<'a> {
     }
 
     /// Code in the middle of a stretch, and false if rounding leaves open which code holds there.
-    fn code(&self, from: f64, to: f64) -> (Code, bool) {
+    fn code(&self, from: f64, to: f64) -> (LabelCode, bool) {
         let (map, field) = (&self.field.labels, self.field);
         let here = field.code(map.rank_near(self.labels.at(0.5 * (from + to))));
         let mut sure = true;
@@ -120,7 +120,7 @@ impl<'a> LabelledLine<'a> {
     }
 
     /// The model of a solid stretch.
-    fn solid(&self, from: f64, to: f64, code: Code, value: f64) -> LineModel {
+    fn solid(&self, from: f64, to: f64, code: LabelCode, value: f64) -> LineModel {
         let (mut gradient, mut gradient_error) = (None, 0.0);
         if self.gradients {
             // Inside a cell each component is a cubic.
@@ -225,9 +225,9 @@ impl FieldLine for LabelledLine<'_> {
             return Some(self.unknown());
         }
         match code {
-            Code::Vacuum => None,
-            Code::Constant(value) => Some(self.solid(from, to, code, value)),
-            Code::Offset(offset) => self.shifted(from, to, offset),
+            LabelCode::Vacuum => None,
+            LabelCode::Constant(value) => Some(self.solid(from, to, code, value)),
+            LabelCode::Offset(offset) => self.shifted(from, to, offset),
         }
     }
 

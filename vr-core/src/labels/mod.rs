@@ -17,5 +17,5 @@ mod style;
 pub use error::LabelError;
 pub use label_counts::LabelCounts;
 pub use label_map::LabelMap;
-pub use labelled_grid::LabelledGrid;
+pub use labelled_grid::{LabelCode, LabelledGrid};
 pub use style::LabelStyle;

@@ -37,7 +37,7 @@ pub use segments::SegmentTable;
 pub use shade::{PacketLight, PacketLights, PacketShading, SeenLights, Shade, central_differences, power_of, reflect};
 pub use stencils::Stencils;
 pub use sums::{Sums, share_of_half, share_to_level};
-pub use table::{OpticsTable, Rows, step_light};
+pub use table::{OpticsTable, Rows, TablePlaces, step_light};
 pub use taps::AxisWeights;
 pub use voxel_colors::VoxelColors;
 pub use wide_field::{BlockStage, Blocks, Offsets, WideField};

@@ -31,20 +31,67 @@ impl OpticsTable {
     /// A table at the places of `table`, for lengths in units of `step` world units.
     pub fn new(table: &BakedTransfer<f32>, transfer: &TransferFunction, calibration: Calibration, step: f64) -> Self {
         let (grid, emits) = (table.grid(), transfer.has_emission());
-        let light = |at: &Optical| if emits { at.emission.map(|q| q * step) } else { at.color };
-        let row = |at: &Optical| {
-            let [r, g, b] = light(at);
-            [r, g, b, (transfer.extinction(at.opacity) * step).min(OPAQUE)].map(|x| x as f32)
-        };
+        let row = |at: &Optical| row_of(transfer, at, step);
         let rows = grid.rows(transfer, calibration, row);
         let walls = lone_walls(transfer, calibration).into_iter().map(|(at, wall)| (at, row(&wall)));
         Self { rows, walls: walls.collect(), origin: table.origin(), per_unit: table.per_unit(), emits }
+    }
+
+    /// A table of what a transfer function is at one value, for lengths in units of `step` world units: all numbers have that row.
+    pub fn of_value(transfer: &TransferFunction, value: f64, step: f64) -> Self {
+        let row = row_of(transfer, &transfer.at(value), step);
+        Self { rows: vec![[row; 2]], walls: Vec::new(), origin: 0.0, per_unit: 0.0, emits: transfer.has_emission() }
+    }
+
+    /// The rows of several tables in one, in which numbers are looked up by their places; and for each table, the places of its numbers.
+    ///
+    /// # Panics
+    /// Panics if some of them hold emission, and some colours.
+    pub fn joined(tables: &[Self]) -> (Self, Vec<TablePlaces>) {
+        let emits = tables.first().is_some_and(|table| table.emits);
+        let mut joined = Self { rows: Vec::new(), walls: Vec::new(), origin: 0.0, per_unit: 1.0, emits };
+        let mut places = Vec::new();
+        for table in tables {
+            assert_eq!(table.emits, emits, "tables of emission, or of colours");
+            let (first, last) = (joined.rows.len() as f32, (table.rows.len() - 1) as f32);
+            let of_table = TablePlaces { origin: table.origin, per_unit: table.per_unit, first, last };
+            joined.walls.extend(table.walls.iter().map(|&(at, row)| (of_table.of(at), row)));
+            joined.rows.extend_from_slice(&table.rows);
+            places.push(of_table);
+        }
+        (joined, places)
     }
 
     /// The rows, for look-ups.
     pub fn rows(&self) -> Rows<'_> {
         let last = (self.rows.len() - 1) as f32;
         Rows { rows: &self.rows, walls: &self.walls, origin: self.origin, per_unit: self.per_unit, last }
+    }
+}
+
+/// Colour or emission, and extinction, of steps of `step` world units.
+fn row_of(transfer: &TransferFunction, at: &Optical, step: f64) -> [f32; 4] {
+    let [r, g, b] = if transfer.has_emission() { at.emission.map(|q| q * step) } else { at.color };
+    [r, g, b, (transfer.extinction(at.opacity) * step).min(OPAQUE)].map(|x| x as f32)
+}
+
+/// Places of the numbers of one table among the rows of [several](OpticsTable::joined).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TablePlaces {
+    /// The number whose place is the first.
+    pub origin: f32,
+    /// Places per unit of the numbers.
+    pub per_unit: f32,
+    /// The first place.
+    pub first: f32,
+    /// Distance of the last place from the first.
+    pub last: f32,
+}
+
+impl TablePlaces {
+    /// Place of a number that is not NaN; of one beyond an end, that end.
+    pub fn of(&self, number: f32) -> f32 {
+        ((number - self.origin) * self.per_unit).max(0.0).min(self.last) + self.first
     }
 }
 
@@ -124,6 +171,33 @@ mod tests {
     use super::*;
     use fearless_simd::{Level, dispatch};
     use vr_core::transfer::{ControlPoint, OpacityRule};
+
+    #[test]
+    fn joined_tables_have_the_rows_of_each() {
+        let point = |value, opacity| ControlPoint::new(value, [0.25, 0.5, 1.0], opacity);
+        let of = |points: Vec<ControlPoint>| TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
+        let calibration = Calibration { slope: 0.5, intercept: -1.0 };
+        let table = |transfer: &TransferFunction| {
+            let baked = BakedTransfer::<f32>::new(transfer, calibration, (0.0, 8.0), false, 0.1);
+            OpticsTable::new(&baked, transfer, calibration, 0.1)
+        };
+        let (ramp, wall) =
+            (of(vec![point(-1.0, 0.1), point(3.0, 0.8)]), of(vec![point(0.0, 0.0), point(1.0, 1.0), point(2.0, 0.2)]));
+        let tables = [table(&ramp), OpticsTable::of_value(&ramp, 1.5, 0.1), table(&wall)];
+        let (joined, places) = OpticsTable::joined(&tables);
+        // Beyond the ends, too; 4 is stored for 1, a wall by itself.
+        let numbers: [f32; LANES] = std::array::from_fn(|i| [-3.0, 0.0, 1.3, 4.0, 4.01, 7.99, 8.0, 20.0][i % 8]);
+        let at = |rows: Rows<'_>, numbers: [f32; LANES]| dispatch!(Level::new(), simd => rows.at(simd, f32x16::load_array_ref(simd, &numbers)).map(|c| c.to_array()));
+        for (table, places) in tables.iter().zip(&places) {
+            let (want, found) = (at(table.rows(), numbers), at(joined.rows(), numbers.map(|x| places.of(x))));
+            for (want, found) in want.as_flattened().iter().zip(found.as_flattened()) {
+                // A place is known to 2⁻¹¹ of an interval here, and extinction of the wall rises by far within one.
+                assert!((want - found).abs() <= 1e-3 * want.abs().max(1.0), "{found} for {want}");
+            }
+        }
+        let constant = at(tables[1].rows(), numbers)[3];
+        assert!(constant.iter().all(|kappa| (f64::from(*kappa) - 0.1 * ramp.extinction_at(1.5)).abs() < 1e-6));
+    }
 
     #[test]
     fn a_single_value_is_a_wall_and_its_neighbours_are_not() {

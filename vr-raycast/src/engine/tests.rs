@@ -128,6 +128,8 @@ struct Choice<'a> {
     volume: &'a str,
     rule: Rule,
     step: Step,
+    picks: bool,
+    has_rows: bool,
 }
 
 impl Choice<'_> {
@@ -135,7 +137,10 @@ impl Choice<'_> {
     fn reason(&self) -> Option<&'static str> {
         let is_local = matches!(self.step, Step::Local { .. });
         match self.volume {
-            "function" | "labels" | "mesh of cells" => Some("fields that are asked place by place"),
+            "function" | "mesh of cells" => Some("fields that are asked place by place"),
+            "labels" if self.picks => Some("values picked under labels"),
+            "labels" if self.has_rows => Some("codes of labels under rows by gradient"),
+            "labels" if self.rule == Rule::Left => Some("labels by the rule left"),
             "adaptive mesh" | "rectilinear grid" if self.rule == Rule::Left => Some("patches by the rule left"),
             _ if is_local && self.rule == Rule::Left => Some("local steps by the rule left"),
             _ => None,
@@ -178,7 +183,9 @@ fn every_combination_goes_to_the_engine_that_is_told() {
                             Err(error) => panic!("{name}: {error}"),
                         };
                         let is_plain = matches!(engine, Engine::Plain(_) | Engine::Field(..));
-                        let reason = Choice { volume: name, rule, step }.reason();
+                        let picks = !compositing.integrates_light();
+                        let choice = Choice { volume: name, rule, step, picks, has_rows: rows };
+                        let reason = choice.reason();
                         let what =
                             format!("{name}, {}, {look}, {steps} steps, rule {}", compositing.name(), rule.name());
                         assert_eq!(is_plain, reason.is_some(), "{what}: {reason:?}");

@@ -10,10 +10,26 @@ use super::fields::PacketField;
 use super::march::{Medium, PacketResult, Path, finish, shaded};
 use super::setup::Packet;
 
+/// Largest number of steps of a ray that are listed: 1 MiB.
+pub(crate) const MAX_LISTED: f64 = (1 << 16) as f64;
+
 /// Steps of a ray, one by one.
+#[derive(Clone, Debug)]
+pub(crate) struct StepList {
+    /// Begin and length of each, in world units from the begin of the part of the ray.
+    pub(crate) steps: Vec<(f64, f64)>,
+    /// Kind of each, in fields that have several; else empty.
+    pub(crate) kinds: Vec<u16>,
+}
+
+impl StepList {
+    pub(crate) const EMPTY: Self = Self { steps: Vec::new(), kinds: Vec::new() };
+}
+
+/// Rule by which steps are listed.
 pub(crate) trait RaySteps: Sync {
-    /// Appends begin and length of each step of a part of a ray, in world units from the begin of the part.
-    fn list(&self, ray: &Ray, part: [f64; 2], steps: &mut Vec<(f64, f64)>);
+    /// Appends the steps of a part of a ray to an empty list.
+    fn list(&self, ray: &Ray, part: [f64; 2], list: &mut StepList);
 }
 
 /// Steps that are listed for each ray.
@@ -30,11 +46,12 @@ impl ListedSteps<'_> {
     /// Lists the steps of the rays of a packet through these places of the image.
     pub(super) fn fill(&self, rays: &Rays, spots: &[ImageSample], packet: &mut Packet) {
         for (lane, spot) in spots.iter().enumerate() {
-            let steps = &mut packet.listed[lane];
-            steps.clear();
+            let list = &mut packet.listed[lane];
+            list.steps.clear();
+            list.kinds.clear();
             if packet.hits >> lane & 1 == 1 {
                 let begin = packet.begin[lane];
-                self.steps.list(&rays.at(spot.x, spot.y), [begin, begin + packet.length[lane]], steps);
+                self.steps.list(&rays.at(spot.x, spot.y), [begin, begin + packet.length[lane]], list);
             }
         }
     }
@@ -48,6 +65,8 @@ pub(super) struct NextSteps {
     pub(super) at: Lanes,
     /// 1 where a ray has more steps behind.
     pub(super) has_more: Lanes,
+    /// Kind of each step, in fields that have several.
+    pub(super) kinds: [u16; LANES],
 }
 
 /// Lists of the rays of a packet, as far as they are not taken yet.
@@ -70,14 +89,21 @@ impl<'a> Lists<'a> {
     /// Takes the next step of each ray that goes on; those that have none are finished.
     #[inline(always)]
     pub(super) fn take(&mut self) -> NextSteps {
-        let mut taken = NextSteps { begin: Lanes::ZERO, length: Lanes::ZERO, at: Lanes::ZERO, has_more: Lanes::ZERO };
+        let mut taken = NextSteps {
+            begin: Lanes::ZERO,
+            length: Lanes::ZERO,
+            at: Lanes::ZERO,
+            has_more: Lanes::ZERO,
+            kinds: [0; LANES],
+        };
         let going_on = self.unfinished;
         for lane in (0..LANES).filter(|lane| going_on >> lane & 1 == 1) {
-            let steps = &self.packet.listed[lane];
+            let StepList { steps, kinds } = &self.packet.listed[lane];
             let Some(&(from, long)) = steps.get(self.next[lane]) else {
                 self.unfinished &= !(1 << lane);
                 continue;
             };
+            taken.kinds[lane] = kinds.get(self.next[lane]).copied().unwrap_or_default();
             self.next[lane] += 1;
             let (from, long) = (from * self.per_unit - self.packet.middle[lane], long * self.per_unit);
             taken.begin.0[lane] = from as f32;
@@ -116,6 +142,7 @@ pub(super) fn listed<S: Simd, T: PacketField>(
         let live = length.simd_gt(zero);
         samples += (live.to_bitmask() as u32).count_ones();
         let (_, cells) = ray.cells(simd, next.at.load(simd));
+        medium.field.set_kinds(stage, &next.kinds);
         medium.field.fetch(simd, &cells, stage);
         let value = medium.field.value(simd, &cells, stage);
         let light = step_light(simd, medium.optics.rows().at(simd, value), length, medium.optics.emits);

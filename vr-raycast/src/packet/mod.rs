@@ -35,6 +35,7 @@ mod course;
 mod engine;
 mod fields;
 mod gaps;
+mod labels;
 pub(crate) mod leap;
 pub(crate) mod level;
 mod listed;
@@ -53,6 +54,7 @@ mod shading;
 mod trace;
 
 pub(crate) use engine::{PacketEngine, PacketFrame};
+pub(crate) use labels::{LabelEngine, LabelFrame};
 pub(crate) use patches::{PatchEngine, PatchFrame, PatchPickEngine, PatchPickFrame};
 pub(crate) use picks::{PickEngine, PickFrame};
 pub(crate) use points::{PointEngine, PointFrame, PointPickEngine, PointPickFrame};

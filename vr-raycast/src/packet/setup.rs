@@ -6,6 +6,8 @@ use vr_core::image_order::ImageSample;
 use vr_core::{Clip, Layer, Placement, Rays};
 use vr_kernels::vector::{Chords, LANES, Lanes};
 
+use super::listed::StepList;
+
 /// Data that the rays of a frame share.
 #[derive(Clone, Debug)]
 pub(crate) struct FrameSetup<'a> {
@@ -52,8 +54,8 @@ pub(crate) struct Packet {
     pub(crate) length: [f64; LANES],
     /// Unit vectors along the rays, in the world.
     pub(crate) directions: [[f64; LANES]; 3],
-    /// Begin and length of each step of each ray, in world units from the begin of step 0, where steps are listed.
-    pub(crate) listed: [Vec<(f64, f64)>; LANES],
+    /// Steps of each ray, from the begin of step 0 on, where they are listed.
+    pub(crate) listed: [StepList; LANES],
 }
 
 /// Fraction of a ray's length below which a last step is rounding, as in `Lattice`.
@@ -135,7 +137,7 @@ impl Packet {
         begin: [0.0; LANES],
         length: [0.0; LANES],
         directions: [[0.0; LANES]; 3],
-        listed: [const { Vec::new() }; LANES],
+        listed: [const { StepList::EMPTY }; LANES],
     };
 
     /// Moves the begin of the rays to these steps, or to their last ones.

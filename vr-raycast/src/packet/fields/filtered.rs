@@ -104,6 +104,12 @@ impl<'a> FilteredField<'a> {
         if is_plain(volume, colors, gradient) {
             return None;
         }
+        let sampled = Self::of_grid(volume, gradient)?;
+        Some(Self { colors: colors.map(VoxelColors::new), ..sampled })
+    }
+
+    /// Returns the field of a volume, whatever it takes; `None` of one that [packets cannot sample](can_sample).
+    pub(crate) fn of_grid(volume: &'a GridVolume, gradient: GradientMethod) -> Option<Self> {
         let filter = volume.filter();
         let sampling = match filter {
             Filter::Nearest => Sampling::Nearest,
@@ -116,7 +122,7 @@ impl<'a> FilteredField<'a> {
                 with_voxels!(volume, lattice => Sampling::Block(OfType::wide_field(WideField::new(&lattice, filter)?)))
             }
         };
-        Some(Self { voxels: AnyField::of_volume(volume), sampling, gradient, colors: colors.map(VoxelColors::new) })
+        Some(Self { voxels: AnyField::of_volume(volume), sampling, gradient, colors: None })
     }
 
     /// Writes the values at places, from voxels that are staged on the way.

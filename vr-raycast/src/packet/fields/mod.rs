@@ -9,9 +9,9 @@ mod filtered;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
-use vr_kernels::vector::{Cells, Field, Lanes, Pairs, Shade, Stage, StepOptics, central_differences};
+use vr_kernels::vector::{Cells, Field, LANES, Lanes, Pairs, Shade, Stage, StepOptics, central_differences};
 
-pub(crate) use filtered::{FilteredField, can_sample};
+pub(crate) use filtered::{FilteredField, FilteredStage, can_sample};
 
 /// Field that packets march through, as sixteen samples see it.
 pub(crate) trait PacketField {
@@ -26,6 +26,10 @@ pub(crate) trait PacketField {
     fn has_colors(&self) -> bool {
         false
     }
+
+    /// Takes note of the kinds of the steps whose places are fetched next, in fields whose lists of steps tell them.
+    #[inline(always)]
+    fn set_kinds(&self, _: &mut Self::Stage, _: &[u16; LANES]) {}
 
     /// Fetches what the values at places need.
     fn fetch<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Self::Stage);

@@ -19,7 +19,7 @@ use super::mean_steps::MeanSteps;
 use crate::caster::{CompositingOrder, Precision, RayCaster, Rule, Step, TransferLookup};
 use crate::packet::engine::MAX_STEPS;
 use crate::packet::level;
-use crate::packet::listed::ListedSteps;
+use crate::packet::listed::{ListedSteps, MAX_LISTED};
 use crate::packet::march::{LatticeSteps, MarchSteps, Medium};
 use crate::packet::setup::FrameSetup;
 use crate::packet::shading::{row_tables, world_shading};
@@ -108,9 +108,6 @@ impl PointEngine {
         })
     }
 }
-
-/// Largest number of steps of a ray that are listed: 1 MiB.
-const MAX_LISTED: f64 = (1 << 16) as f64;
 
 /// True if f32 numbers the steps of a length through a set of points.
 pub(super) fn can_number(points: &PointSet, step: f64) -> bool {

@@ -6,7 +6,7 @@ use vr_kernels::vector;
 
 use super::cells::PointCells;
 use super::covered::CoveredParts;
-use crate::packet::listed::RaySteps;
+use crate::packet::listed::{RaySteps, StepList};
 use crate::walk::{Lattice, cut_steps};
 
 /// Steps of one length, each of which ends early where vacuum begins or ends: those of the plain engine's `cut_walk`, but for those in vacuum.
@@ -21,14 +21,14 @@ pub(super) struct MeanSteps<'a> {
 }
 
 impl RaySteps for MeanSteps<'_> {
-    fn list(&self, ray: &Ray, ends @ [from, to]: [f64; 2], steps: &mut Vec<(f64, f64)>) {
+    fn list(&self, ray: &Ray, ends @ [from, to]: [f64; 2], list: &mut StepList) {
         let search = CoveredParts { cells: self.cells, placement: self.placement, ray, ends };
         let parts = vector::run(self.level, search);
         let is_inner = |s: &f64| *s > from && *s < to;
         let jumps: Vec<f64> = parts.as_flattened().iter().copied().filter(is_inner).map(|s| s - from).collect();
-        cut_steps(&Lattice::new(0.0, to - from, self.step), &jumps, steps);
+        cut_steps(&Lattice::new(0.0, to - from, self.step), &jumps, &mut list.steps);
         let mut part = 0;
-        steps.retain(|&(begin, length)| {
+        list.steps.retain(|&(begin, length)| {
             let middle = from + begin + 0.5 * length;
             while parts.get(part).is_some_and(|part| part[1] <= middle) {
                 part += 1;
@@ -63,11 +63,11 @@ mod tests {
             ([6.2, 6.8], vec![]),
             ([5.0, 5.5], vec![[5.0, 5.5]]),
         ] {
-            let mut steps = Vec::new();
+            let mut list = StepList::EMPTY;
             MeanSteps { cells: &cells, placement: source.placement(), level: Level::new(), step: 0.3 }
-                .list(&ray, part, &mut steps);
+                .list(&ray, part, &mut list);
             let mut covered: Vec<[f64; 2]> = Vec::new();
-            for (begin, length) in steps {
+            for (begin, length) in list.steps {
                 let (begin, end) = (part[0] + begin, part[0] + begin + length);
                 assert!(length <= 0.3 + 1e-12);
                 match covered.last_mut().filter(|last| (last[1] - begin).abs() < 1e-12) {
