@@ -58,6 +58,7 @@ mod documented;
 mod error;
 pub mod field;
 pub mod filter;
+mod floor;
 mod frame;
 mod grid;
 mod grid_volume;

@@ -4,6 +4,7 @@ use super::block::AmrCentring;
 use super::check::each_index;
 use super::grid::AmrGrid;
 use super::level::{divided, plus};
+use super::marked::Marked;
 use super::solid_elements::SolidElements;
 use crate::cancel;
 use crate::parallel::collect;
@@ -25,7 +26,8 @@ pub(super) struct Bricks {
     faces: Vec<[u32; 6]>,
     /// Sides of each block that no coarser leaf touches.
     complete: Vec<u32>,
-    /// Elements of the bricks parts of which may be vacuum, in the order of the bricks.
+    /// Bricks parts of which may be vacuum, and their elements.
+    with_vacuum: Marked,
     solid_elements: Vec<SolidElements>,
 }
 
@@ -45,8 +47,6 @@ pub(super) struct Brick {
     pub(super) grain: u8,
     /// True if parts of it may be vacuum.
     pub(super) has_vacuum: bool,
-    /// Number of its elements among those that are kept, if parts of it may be vacuum.
-    elements: u32,
 }
 
 impl Bricks {
@@ -80,13 +80,11 @@ impl Bricks {
             // The samples around a place tell.
             AmrCentring::Cells => Vec::new(),
         };
-        let mut bricks = lists.concat();
-        for (number, brick) in bricks.iter_mut().filter(|brick| brick.has_vacuum).enumerate() {
-            brick.elements = number as u32;
-        }
+        let bricks = lists.concat();
+        let with_vacuum = Marked::new(bricks.iter().map(|brick| brick.has_vacuum));
         let doubtful = |number: usize| elements_with_vacuum(grid, number, &bricks[starts[number]..]);
         let solid_elements = collect(grid.blocks.len(), doubtful).into_iter().flatten().collect();
-        Self { starts, bricks, leaves, solid, faces, complete, solid_elements }
+        Self { starts, bricks, leaves, solid, faces, complete, with_vacuum, solid_elements }
     }
 
     /// True if all cells of a block are leaves.
@@ -133,8 +131,7 @@ impl Bricks {
     /// Elements that are not vacuum of a brick parts of which may be.
     #[inline]
     pub(super) fn solid_elements(&self, number: usize) -> Option<&SolidElements> {
-        let brick = self.bricks.get(number).filter(|brick| brick.has_vacuum)?;
-        self.solid_elements.get(brick.elements as usize)
+        self.solid_elements.get(self.with_vacuum.number(number)?)
     }
 
     /// The brick at a place among those of a block.
@@ -218,7 +215,6 @@ fn brick(grid: &AmrGrid, number: usize, at: [i64; 3]) -> Brick {
         has_leaf: covered < cells_in,
         grain: grain as u8,
         has_vacuum: false,
-        elements: 0,
     };
     if brick.has_leaf {
         enclose(grid, block.level, from.map(|x| x - 1), to.map(|x| x + 1), &mut brick);

@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use super::grid::AmrGrid;
-use super::level::{corner, divided, floor, plus};
+use super::level::{corner, divided, plus};
 use super::nodes::Quantity;
+use crate::floor::floor;
 
 /// An element of a leaf: an octant of a cell with a value in its middle, or a cell between points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

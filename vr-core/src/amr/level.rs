@@ -34,13 +34,6 @@ pub(super) fn divided(at: [i64; 3], by: [i64; 3]) -> [i64; 3] {
     })
 }
 
-/// Largest whole number that is not above another: where a machine has no instruction for it, several times as fast as the standard library's.
-#[inline]
-pub(super) fn floor(x: f64) -> i64 {
-    let cut = x as i64;
-    cut - i64::from(cut as f64 > x)
-}
-
 /// Component-wise product.
 #[inline]
 pub(super) fn times(at: [i64; 3], by: [i64; 3]) -> [i64; 3] {

@@ -33,6 +33,7 @@ mod inner_value;
 mod lattice;
 mod level;
 mod line;
+mod marked;
 mod neighbors;
 mod nodes;
 mod refining;

@@ -4,8 +4,9 @@ use glam::DVec3;
 
 use super::bricks::{Bricks, EDGE};
 use super::grid::AmrGrid;
-use super::level::{divided, floor, plus, times};
+use super::level::{divided, plus, times};
 use crate::box_tree::LocalLine;
+use crate::floor::floor;
 use crate::ray::Ray;
 
 /// Part of a ray among leaves of one block, which is not vacuum.

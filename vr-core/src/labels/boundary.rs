@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::label_map::LabelMap;
+use crate::floor::floor;
 
 /// Smoothed region around one cell of the labels' lattice.
 ///
@@ -23,29 +24,30 @@ pub(super) type OpenSides = [[bool; 2]; 3];
 impl BoundaryCell {
     /// The cell around a position in index space, of the region of all ranks for which `inside` is true.
     pub(super) fn around(map: &LabelMap, position: DVec3, open: &OpenSides, inside: impl Fn(u16) -> bool) -> Self {
-        let low = position.floor();
-        // Indices of the four voxels on each axis; `None` beyond a side where there is background.
-        let taps: [[Option<usize>; 4]; 3] = std::array::from_fn(|a| {
-            let n = map.dims()[a] as i64;
-            std::array::from_fn(|k| {
-                let i = low[a] as i64 - 1 + k as i64;
-                let beyond = i < 0 && open[a][0] || i >= n && open[a][1];
-                (!beyond).then(|| i.clamp(0, n - 1) as usize)
+        let low = position.to_array().map(floor);
+        let is_within = (0..3).all(|a| low[a] >= 1 && low[a] < map.dims()[a] as i64 - 2);
+        let ranks = if is_within {
+            map.ranks_around(low.map(|i| i as usize - 1))
+        } else {
+            // Indices of the four voxels on each axis; `None` beyond a side where there is background.
+            let taps: [[Option<usize>; 4]; 3] = std::array::from_fn(|a| {
+                let n = map.dims()[a] as i64;
+                std::array::from_fn(|k| {
+                    let i = low[a].saturating_add(k as i64 - 1);
+                    let beyond = i < 0 && open[a][0] || i >= n && open[a][1];
+                    (!beyond).then(|| i.clamp(0, n - 1) as usize)
+                })
+            });
+            std::array::from_fn(|i| match (taps[0][i % 4], taps[1][i / 4 % 4], taps[2][i / 16]) {
+                (Some(x), Some(y), Some(z)) => map.rank([x, y, z]),
+                _ => map.background(),
             })
-        });
-        let background = inside(map.background());
-        let mut region = [0.0; 64];
-        let mut count = 0;
-        for (i, of) in region.iter_mut().enumerate() {
-            let [x, y, z] = [taps[0][i % 4], taps[1][i / 4 % 4], taps[2][i / 16]];
-            let is_inside = match (x, y, z) {
-                (Some(x), Some(y), Some(z)) => inside(map.rank([x, y, z])),
-                _ => background,
-            };
-            *of = f64::from(u8::from(is_inside));
-            count += usize::from(is_inside);
-        }
-        Self { region: (count != 0 && count != 64).then_some(region), low }
+        };
+        // Most cells are of one label.
+        let is_even = ranks.iter().all(|&rank| rank == ranks[0]);
+        let region = (!is_even).then(|| ranks.map(|rank| f64::from(u8::from(inside(rank)))));
+        let is_mixed = region.is_some_and(|region| region.iter().any(|&of| of != region[0]));
+        Self { region: region.filter(|_| is_mixed), low: DVec3::from_array(low.map(|i| i as f64)) }
     }
 
     /// Gradient per index step at a position in the cell.

@@ -7,6 +7,7 @@ use glam::DVec3;
 use vr_core::image_order::ImageSample;
 use vr_core::labels::{LabelCode, LabelledGrid};
 use vr_core::{Compositing, Counts, Layer, MaxRadiance, ParameterError, Rays, Scene, View};
+use vr_kernels::ranges::RangeBlocks;
 use vr_kernels::tables::rounding_over;
 use vr_kernels::vector::{self, PacketShading};
 
@@ -14,8 +15,8 @@ use super::bands::{Bands, calibration_of};
 use super::field::LabelField;
 use super::steps::LabelSteps;
 use crate::caster::{CompositingOrder, EmptySpace, Precision, RayCaster, Rule, Step, TransferLookup};
-use crate::leap::{Visibility, VisibleBlocks};
-use crate::packet::engine::{EDGE, PacketEngine, fits};
+use crate::leap::{EDGE, Visibility, VisibleBlocks};
+use crate::packet::engine::fits;
 use crate::packet::fields::FilteredField;
 use crate::packet::level;
 use crate::packet::listed::{ListedSteps, MAX_LISTED};
@@ -35,7 +36,7 @@ const OFFSET: f64 = 0.5;
 pub(crate) struct LabelEngine {
     pub(crate) level: Level,
     bands: Bands,
-    /// Blocks of the grid in which something can be seen; `None` without leaping, and where all are visible.
+    /// Blocks of the grid in which something can be seen; `None` without leaping.
     visible: Option<VisibleBlocks>,
     /// Length of a step in world units.
     step: f64,
@@ -82,7 +83,7 @@ impl LabelEngine {
         });
         Some(Self {
             level,
-            visible: leaps.then(|| visible_blocks(field, scene, &bands)).flatten(),
+            visible: leaps.then(|| visible_blocks(field, scene, &bands)),
             bands,
             step,
             negligible,
@@ -94,15 +95,17 @@ impl LabelEngine {
     }
 }
 
-/// Blocks in which something can be seen in any band of the grid's own values; `None` where that is all of them.
-fn visible_blocks(field: &LabelledGrid, scene: &Scene, bands: &Bands) -> Option<VisibleBlocks> {
-    let (volume, mut all) = (field.volume(), Vec::new());
-    for code in bands.codes.iter().filter(|code| matches!(code, LabelCode::Offset(_))) {
-        let visibility = Visibility::of_light(&scene.transfer, calibration_of(field, *code), None, None);
-        all.push(PacketEngine::distances(volume, &visibility, EDGE)?.visible(volume.dims()));
-    }
-    let first = all.first()?.grid();
-    Some(VisibleBlocks::from_fn(volume.dims(), first.edge, |block| all.iter().any(|blocks| blocks.at(block))))
+/// Blocks in which something can be seen in any band of the grid's own values.
+fn visible_blocks(field: &LabelledGrid, scene: &Scene, bands: &Bands) -> VisibleBlocks {
+    let volume = field.volume();
+    let ranges = RangeBlocks::of_volume(volume, EDGE);
+    let of_band = |code: &LabelCode| {
+        let visibility = Visibility::<f32>::of_light(&scene.transfer, calibration_of(field, *code), None, None);
+        VisibleBlocks::new(volume.dims(), &ranges, &visibility)
+    };
+    let own_values = bands.codes.iter().filter(|code| matches!(code, LabelCode::Offset(_)));
+    let all: Vec<VisibleBlocks> = own_values.map(of_band).collect();
+    VisibleBlocks::from_fn(volume.dims(), EDGE, |block| all.iter().any(|blocks| blocks.at(block)))
 }
 
 /// Vector engine with a view.
