@@ -1,9 +1,10 @@
 //! A folder in which a reader meets files.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
+use vr_io::MemoryFolder;
 
 use crate::targets::Target;
 
@@ -17,7 +18,14 @@ pub const MAX_MEMORY: usize = 2 * MEMORY_LEFT as usize + (16 << 20);
 /// A folder in which a reader meets one file after the other, with those beside it that it needs.
 pub struct Ground {
     target: &'static Target,
-    folder: TempDir,
+    place: Place,
+}
+
+enum Place {
+    /// A folder of the system.
+    Disk(TempDir),
+    /// Files beside the one that is read, by name: of a [`MemoryFolder`] for each that is.
+    Memory(Vec<(String, Vec<u8>)>),
 }
 
 impl Ground {
@@ -33,7 +41,24 @@ impl Ground {
             fs::create_dir_all(parent).expect("a folder for files");
         }
         (target.beside)(folder.path());
-        Self { target, folder }
+        Self { target, place: Place::Disk(folder) }
+    }
+
+    /// The same without the system, which takes several times as long as a reader; of targets without folders in their folder. Others are on disk.
+    ///
+    /// # Panics
+    /// If there can be no folder for what lies beside the file.
+    pub fn in_memory(target: &'static Target) -> Self {
+        let ground = Self::new(target);
+        match &ground.place {
+            Place::Disk(folder) => match files_of(folder.path()) {
+                Some(files) if Path::new(target.entry).components().count() == 1 => {
+                    Self { target, place: Place::Memory(files) }
+                }
+                _ => ground,
+            },
+            Place::Memory(_) => ground,
+        }
     }
 
     /// Reads a file of these bytes.
@@ -44,11 +69,29 @@ impl Ground {
     /// # Panics
     /// If the reader does, or the file cannot be written.
     pub fn run(&self, bytes: &[u8]) -> Result<(), String> {
-        let path = self.folder.path().join(self.target.file);
-        // A new file each time: one that a reader has mapped keeps its bytes.
-        let _ = fs::remove_file(&path);
         let packed = self.target.pack.map(|pack| pack(bytes));
-        fs::write(&path, packed.as_deref().unwrap_or(bytes)).expect("a file to read");
-        (self.target.reader)(&self.folder.path().join(self.target.entry))
+        let bytes = packed.as_deref().unwrap_or(bytes);
+        match &self.place {
+            Place::Disk(folder) => {
+                let path = folder.path().join(self.target.file);
+                // A new file each time: one that a reader has mapped keeps its bytes.
+                let _ = fs::remove_file(&path);
+                fs::write(&path, bytes).expect("a file to read");
+                (self.target.reader)(&folder.path().join(self.target.entry))
+            }
+            Place::Memory(beside) => {
+                let file = (self.target.file.to_owned(), bytes.to_vec());
+                // The last file of a name is the one that holds.
+                let folder = MemoryFolder::new(beside.iter().cloned().chain([file]));
+                (self.target.reader)(&folder.path().join(self.target.entry))
+            }
+        }
     }
+}
+
+/// Files of a folder, by name; `None` if there are folders in it.
+fn files_of(folder: &Path) -> Option<Vec<(String, Vec<u8>)>> {
+    let entries = folder.read_dir().expect("a folder for files").map(|entry| entry.expect("a file"));
+    let file = |entry: fs::DirEntry| Some((entry.file_name().into_string().ok()?, fs::read(entry.path()).ok()?));
+    entries.map(file).collect()
 }

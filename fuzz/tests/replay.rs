@@ -18,7 +18,7 @@ static HEAP: PeakAlloc = PeakAlloc;
 /// Longest time that a file of kilobytes may take, on a machine that does other work meanwhile.
 const LONGEST: Duration = Duration::from_secs(10);
 
-/// Damaged versions of each seed; `COUNT` makes more, of those readers alone whose names are in `TARGETS`, with commas between.
+/// Damaged versions of each seed; `COUNT` makes more, in memory, of those readers alone whose names are in `TARGETS`, with commas between.
 const CASES: u32 = 300;
 
 #[derive(Clone, Debug)]
@@ -91,12 +91,16 @@ fn apply(bytes: &[u8], damage: &[Damage]) -> Vec<u8> {
 #[test]
 fn every_reader_survives() {
     memory::set_meter(|| MEMORY_LEFT);
-    let cases = std::env::var("COUNT").map_or(CASES, |count| count.parse().expect("a number"));
+    let count = std::env::var("COUNT").ok().map(|count| count.parse().expect("a number"));
+    let (cases, ground_of): (u32, fn(_) -> _) = match count {
+        Some(count) => (count, Ground::in_memory),
+        None => (CASES, Ground::new),
+    };
     let asked = std::env::var("TARGETS").ok();
     let is_asked = |name: &str| asked.as_ref().is_none_or(|names| names.split(',').any(|asked| asked == name));
     let (count, slowest, most) = (Cell::new(0), Cell::new((Duration::ZERO, "")), Cell::new((0, "")));
     for target in TARGETS.iter().filter(|target| is_asked(target.name)) {
-        let ground = Ground::new(target);
+        let ground = ground_of(target);
         for seed in target.seeds() {
             ground.run(&seed).unwrap_or_else(|e| panic!("{}: a seed: {e}", target.name));
             let config = Config { cases, failure_persistence: None, ..Config::default() };

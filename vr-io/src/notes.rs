@@ -2,6 +2,8 @@
 
 use std::ops::{Deref, DerefMut};
 
+use crate::error::on_one_line;
+
 /// Part of a grid's placement that a header may leave open, so that its reader assumes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Assumption {
@@ -40,8 +42,13 @@ impl Notes {
     }
 
     pub fn into_lines(self) -> Vec<String> {
-        self.lines
+        as_lines(self.lines)
     }
+}
+
+/// Notes, each on one line, whatever a file's names and units have in them.
+pub(crate) fn as_lines(notes: Vec<String>) -> Vec<String> {
+    notes.into_iter().map(|note| on_one_line(&note).into_owned()).collect()
 }
 
 impl From<Vec<String>> for Notes {
@@ -67,6 +74,12 @@ impl DerefMut for Notes {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_note_is_one_line_whatever_a_file_says() {
+        let notes = Notes::from(vec!["units \"\r\u{1b}[31mm\" are not known".to_owned()]);
+        assert_eq!(notes.into_lines(), ["units \"\\r\\u{1b}[31mm\" are not known"]);
+    }
 
     #[test]
     fn assumptions_are_taken_back_and_other_lines_stay_in_their_order() {

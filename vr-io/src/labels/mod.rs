@@ -10,6 +10,7 @@ use vr_core::Volume;
 use vr_core::labels::LabelMap;
 
 use crate::error::{FieldError, FileError};
+use crate::notes::as_lines;
 use crate::read::{FileInfo, Loaded, ReadOptions, each_once, read};
 
 pub use entry::LabelEntry;
@@ -75,7 +76,7 @@ pub fn read_labels(path: impl AsRef<Path>, list: Option<&Path>) -> Result<Loaded
         files.push(list.to_path_buf());
     }
     entries.sort_by_key(|e| e.label);
-    Ok(LoadedLabels { map, entries, info, files: each_once(files), notes })
+    Ok(LoadedLabels { map, entries, info, files: each_once(files), notes: as_lines(notes) })
 }
 
 fn label_map(path: &Path, volume: &Volume) -> Result<LabelMap, FileError> {

@@ -22,6 +22,7 @@ use vr_core::{ParameterError, PointKernel, PointMixing, PointSet};
 use crate::detect::{Format, detect};
 use crate::error::{FileError, FileErrorKind};
 use crate::facts::Facts;
+use crate::notes::as_lines;
 use crate::read::{FileInfo, file_head};
 use crate::regular_file;
 use crate::scalar::{Endian, ScalarType};
@@ -215,7 +216,7 @@ pub(crate) fn read_as(format: PointFormat, path: &Path, options: &PointOptions) 
     let points = assemble::assemble(table, options, &mut notes).map_err(in_file)?;
     let facts = Facts { format, encoding, scalar, endian, frames: 1, files: vec![path.into()] };
     let info = facts.into_info("positions", 1, names);
-    Ok(LoadedPoints { points, info, notes })
+    Ok(LoadedPoints { points, info, notes: as_lines(notes) })
 }
 
 /// The columns of a file, before they are made points.

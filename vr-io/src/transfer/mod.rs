@@ -18,7 +18,7 @@ use std::path::Path;
 
 use vr_core::{ControlPoint, Filter, OpacityRule, Shading};
 
-use crate::error::{FieldError, FileError, shown_path};
+use crate::error::{FieldError, FileError, on_one_line, shown_path};
 use crate::regular_file;
 use crate::scene::{TransferPoints, TransferRowSection, stretching};
 
@@ -161,7 +161,7 @@ pub fn parse_transfer(bytes: &[u8], path: &Path) -> Result<TransferFile, FileErr
     }
     // Everything else is told to a reader of notes, who has more than one file.
     let place = shown_path(path);
-    file.notes.iter_mut().for_each(|note| *note = format!("{place}: {note}"));
+    file.notes.iter_mut().for_each(|note| *note = format!("{place}: {}", on_one_line(note)));
     Ok(file)
 }
 
