@@ -34,31 +34,22 @@ impl Ground {
     /// # Panics
     /// If there can be no such folder.
     pub fn new(target: &'static Target) -> Self {
-        let memory = PathBuf::from("/dev/shm");
-        let folder = if memory.is_dir() { tempfile::tempdir_in(memory) } else { tempfile::tempdir() };
-        let folder = folder.expect("a folder for files");
-        if let Some(parent) = folder.path().join(target.file).parent() {
-            fs::create_dir_all(parent).expect("a folder for files");
-        }
-        (target.beside)(folder.path());
-        Self { target, place: Place::Disk(folder) }
+        Self { target, place: Place::Disk(folder_of(target)) }
     }
 
-    /// The same without the system, which takes several times as long as a reader; of targets without folders in their folder. Others are on disk.
+    /// Makes a folder that is none of the system's, whose calls take several times as long as a reader; for a target that needs folders in its folder, one of
+    /// the system.
     ///
     /// # Panics
-    /// If there can be no folder for what lies beside the file.
+    /// If there can be no folder for the files beside the one that is read.
     pub fn in_memory(target: &'static Target) -> Self {
-        let ground = Self::new(target);
-        match &ground.place {
-            Place::Disk(folder) => match files_of(folder.path()) {
-                Some(files) if Path::new(target.entry).components().count() == 1 => {
-                    Self { target, place: Place::Memory(files) }
-                }
-                _ => ground,
-            },
-            Place::Memory(_) => ground,
-        }
+        let folder = folder_of(target);
+        let is_flat = Path::new(target.entry).components().count() == 1;
+        let place = match files_of(folder.path()).filter(|_| is_flat) {
+            Some(files) => Place::Memory(files),
+            None => Place::Disk(folder),
+        };
+        Self { target, place }
     }
 
     /// Reads a file of these bytes.
@@ -87,6 +78,18 @@ impl Ground {
             }
         }
     }
+}
+
+/// A folder of the system, with the files that a target needs beside the one that is read.
+fn folder_of(target: &Target) -> TempDir {
+    let memory = PathBuf::from("/dev/shm");
+    let folder = if memory.is_dir() { tempfile::tempdir_in(memory) } else { tempfile::tempdir() };
+    let folder = folder.expect("a folder for files");
+    if let Some(parent) = folder.path().join(target.file).parent() {
+        fs::create_dir_all(parent).expect("a folder for files");
+    }
+    (target.beside)(folder.path());
+    folder
 }
 
 /// Files of a folder, by name; `None` if there are folders in it.

@@ -43,11 +43,11 @@ impl BoundaryCell {
                 _ => map.background(),
             })
         };
-        // Most cells are of one label.
-        let is_even = ranks.iter().all(|&rank| rank == ranks[0]);
-        let region = (!is_even).then(|| ranks.map(|rank| f64::from(u8::from(inside(rank)))));
-        let is_mixed = region.is_some_and(|region| region.iter().any(|&of| of != region[0]));
-        Self { region: region.filter(|_| is_mixed), low: DVec3::from_array(low.map(|i| i as f64)) }
+        // Most cells are of one label; in others, all labels may have one code.
+        let has_several = ranks.iter().any(|&rank| rank != ranks[0]);
+        let region = has_several.then(|| ranks.map(|rank| f64::from(u8::from(inside(rank)))));
+        let region = region.filter(|region| region.iter().any(|&share| share != region[0]));
+        Self { region, low: DVec3::from_array(low.map(|i| i as f64)) }
     }
 
     /// Gradient per index step at a position in the cell.

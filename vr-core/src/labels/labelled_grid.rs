@@ -79,7 +79,7 @@ pub struct LabelledGrid {
     open: OpenSides,
 }
 
-/// Code of a label: what the field's value is where it holds.
+/// Code of a label: the field's value where the label holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LabelCode {
     /// Vacuum, of a hidden style.
@@ -171,7 +171,11 @@ impl LabelledGrid {
 
     /// Gradient per world unit, at a world position, of the smoothed region in which a code holds: that of the field where a solid style is drawn.
     pub fn region_gradient_at(&self, at: DVec3, code: LabelCode) -> DVec3 {
-        let position = self.labels.placement().to_index(at);
+        self.gradient_near(self.labels.placement().to_index(at), code)
+    }
+
+    /// The same at a position among the labels.
+    fn gradient_near(&self, position: DVec3, code: LabelCode) -> DVec3 {
         self.region_gradient(self.boundary(position, code).gradient(position))
     }
 
@@ -333,7 +337,7 @@ impl Field for LabelledGrid {
         let code = self.code(self.labels.rank_near(position));
         match code {
             LabelCode::Vacuum => None,
-            LabelCode::Constant(_) => Some(self.region_gradient(self.boundary(position, code).gradient(position))),
+            LabelCode::Constant(_) => Some(self.gradient_near(position, code)),
             LabelCode::Offset(_) => {
                 let place = index.to_array();
                 let per_index = match self.gradient {

@@ -7,8 +7,7 @@ use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::image_order::ImageSample;
 use vr_core::{
-    ColorGrid, Compositing, Counts, Filter, GradientMethod, GridVolume, Layer, MaxRadiance, ParameterError, Rays,
-    Scene, View,
+    ColorGrid, Counts, Filter, GradientMethod, GridVolume, Layer, MaxRadiance, ParameterError, Rays, Scene, View,
 };
 use vr_kernels::ranges::LevelRanges;
 use vr_kernels::ranges::RangeBlocks;
@@ -23,11 +22,12 @@ use super::local::{LocalSteps, by_byte};
 use super::march::{LatticeSteps, MarchSteps, Medium};
 #[cfg(feature = "classics")]
 use super::nodes::NodeSteps;
+use super::ray_end::RayEnd;
 use super::segments::{SegmentLengths, SegmentSteps};
 use super::setup::FrameSetup;
 use super::shading::row_tables;
 use super::trace::{Trace, TraceFrame};
-use crate::caster::{CompositingOrder, EmptySpace, RayCaster, Rule, Step, TransferLookup, Traversal};
+use crate::caster::{EmptySpace, RayCaster, Rule, Step, TransferLookup, Traversal};
 #[cfg(feature = "classics")]
 use crate::classics::Homogeneity;
 use crate::leap::{Visibility, VisibleBlocks};
@@ -56,10 +56,7 @@ pub(crate) struct PacketEngine {
     offset: f64,
     /// True if normals are followed over a step: its middle stands for it.
     follows_normals: bool,
-    /// Amount at which a ray ends: no more than this could be added to any component.
-    negligible: f64,
-    /// Opacity at which rays are cut; 1 where they are not.
-    cut: f64,
+    end: RayEnd,
     max_radiance: MaxRadiance,
     shading: Option<PacketShading>,
     /// Source of the gradients.
@@ -146,14 +143,8 @@ impl PacketEngine {
         tables: &RenderTables<f32>,
     ) -> Option<Self> {
         let level = level::of(caster.vector)?;
-        let CompositingOrder::FrontToBack { termination } = caster.order else { return None };
         // Refuse what the kernels are not made for.
-        // A cut sum is ended by its cut alone.
-        let (cut, negligible) = match scene.compositing {
-            Compositing::Over => (1.0, 1.0 - termination),
-            Compositing::Accumulate { level } => (level, 0.0),
-            _ => return None,
-        };
+        let end = RayEnd::new(caster, scene)?;
         let common = caster.traversal == Traversal::Samples && caster.transfer_lookup != TransferLookup::Exact;
         // The structures that leap along whole rays are the plain engine's.
         if caster.empty_space.is_named() {
@@ -223,8 +214,7 @@ impl PacketEngine {
             step,
             offset,
             follows_normals: caster.rule != Rule::Left,
-            negligible,
-            cut,
+            end,
             max_radiance: scene.max_radiance(),
             shading,
             gradient,
@@ -339,8 +329,8 @@ impl PacketFrame<'_> {
             optics: &engine.optics,
             shading: engine.shading.as_ref(),
             follows_normals: engine.follows_normals,
-            negligible: engine.negligible as f32,
-            level: engine.cut as f32,
+            negligible: engine.end.negligible as f32,
+            level: engine.end.cut as f32,
         }
     }
 

@@ -26,7 +26,7 @@ impl StepList {
     pub(crate) const EMPTY: Self = Self { steps: Vec::new(), kinds: Vec::new() };
 }
 
-/// Rule by which steps are listed.
+/// Source of the listed steps of rays.
 pub(crate) trait RaySteps: Sync {
     /// Appends the steps of a part of a ray to an empty list.
     fn list(&self, ray: &Ray, part: [f64; 2], list: &mut StepList);

@@ -71,7 +71,7 @@ pub(crate) struct PacketResult {
 /// Takes the packet's rays to their ends. `max_light` is the largest light or opacity that can come from behind, per transmittance left.
 ///
 /// # Panics
-/// Panics at listed steps of a kind of field that does not jump: a bug in the caller.
+/// Panics at steps in which fields of the type are not marched: a bug in the caller.
 ///
 /// Its own function, called once a packet: stages that the optimizer can see made are stages that it tries to keep in registers, in vain
 /// and for twice the time.
@@ -85,23 +85,23 @@ pub(crate) fn march<S: Simd, T: PacketField>(
     stages: &mut [T::Stage; 2],
 ) -> PacketResult {
     match medium.steps {
-        MarchSteps::Lattice(steps) => simd.vectorize(
+        MarchSteps::Lattice(steps) if T::STEPS.has_lattice => simd.vectorize(
             #[inline(always)]
             || lattice(simd, medium, steps, packet, max_light, lights, stages),
         ),
-        MarchSteps::Local(steps) => simd.vectorize(
+        MarchSteps::Local(steps) if T::STEPS.has_grid_steps => simd.vectorize(
             #[inline(always)]
             || local(simd, medium, steps, packet, max_light, lights, stages),
         ),
-        MarchSteps::Segments(steps) => simd.vectorize(
+        MarchSteps::Segments(steps) if T::STEPS.has_grid_steps => simd.vectorize(
             #[inline(always)]
             || segments(simd, medium, steps, packet, max_light, lights, stages),
         ),
-        MarchSteps::Listed(steps) if T::JUMPS => simd.vectorize(
+        MarchSteps::Listed(steps) if T::STEPS.has_lists => simd.vectorize(
             #[inline(always)]
             || listed(simd, medium, steps, packet, max_light, lights, stages),
         ),
-        MarchSteps::Listed(_) => unreachable!("only fields that jump have listed steps"),
+        _ => unreachable!("fields are marched in the steps of their type"),
     }
 }
 

@@ -48,6 +48,7 @@ mod picks;
 mod points;
 #[cfg(test)]
 mod random_scenes;
+mod ray_end;
 mod segments;
 mod setup;
 mod shading;

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use proptest::prelude::*;
-use vr_core::{Camera, Control, ControlPoint, Light, OpacityRule, Placement, Shading, TransferFunction};
+use vr_core::{Camera, Compositing, Control, ControlPoint, Light, OpacityRule, Placement, Shading, TransferFunction};
 
 use super::super::compared::{bits, plain, row_by_row, same};
 use super::super::random_scenes::{factors, grid, row_transfers, scenes, steps, sums};
 use super::*;
+use crate::caster::CompositingOrder;
 use crate::render_tables::TablesByPrecision;
 
 /// Returns the engine that a caster makes for a scene, if it can draw it.

@@ -13,13 +13,33 @@ use vr_kernels::vector::{Cells, Field, LANES, Lanes, Pairs, Shade, Stage, StepOp
 
 pub(crate) use filtered::{FilteredField, FilteredStage, can_sample};
 
+/// Kinds of steps in which fields of a type are marched. No march in another kind is compiled for the type.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepKinds {
+    /// Steps of one length, with one sample each.
+    pub(crate) has_lattice: bool,
+    /// Steps that the data of a grid determine, and integrals over steps.
+    pub(crate) has_grid_steps: bool,
+    /// Steps listed for each ray, of fields that jump.
+    pub(crate) has_lists: bool,
+}
+
+impl StepKinds {
+    /// Steps through grids.
+    pub(crate) const OF_GRIDS: Self = Self { has_lattice: true, has_grid_steps: true, has_lists: false };
+    /// Steps through scattered points, whose means jump.
+    pub(crate) const OF_POINTS: Self = Self { has_lattice: true, has_grid_steps: false, has_lists: true };
+    /// Listed steps alone.
+    pub(crate) const LISTED: Self = Self { has_lattice: false, has_grid_steps: false, has_lists: true };
+}
+
 /// Field that packets march through, as sixteen samples see it.
 pub(crate) trait PacketField {
     /// Buffer of voxels between their fetch and their use: a wide load from narrow stores takes its time, which the fetch of the next step hides.
     type Stage: Default;
 
-    /// True if fields of this kind may jump along a ray, so that their steps are listed.
-    const JUMPS: bool = false;
+    /// Steps in which fields of this kind are marched.
+    const STEPS: StepKinds = StepKinds::OF_GRIDS;
 
     /// True if places have colours that multiply their light.
     #[inline(always)]
@@ -27,7 +47,7 @@ pub(crate) trait PacketField {
         false
     }
 
-    /// Takes note of the kinds of the steps whose places are fetched next, in fields whose lists of steps tell them.
+    /// Sets the kinds of the steps whose places are fetched next, where lists of steps have kinds.
     #[inline(always)]
     fn set_kinds(&self, _: &mut Self::Stage, _: &[u16; LANES]) {}
 

@@ -7,7 +7,7 @@ use vr_kernels::vector::{OpticsTable, TablePlaces};
 
 use crate::table_range::{field_range, resolves};
 
-/// What is drawn under each code, as packets look it up.
+/// Optical properties of all bands, in one table, and the places of each band in it.
 #[derive(Clone, Debug)]
 pub(super) struct Bands {
     /// Code of each band; none is vacuum.
@@ -18,11 +18,12 @@ pub(super) struct Bands {
     pub(super) optics: OpticsTable,
 }
 
-/// Largest number of bands: places of so many tables of the usual size are known in f32 to a 32nd of an entry.
+/// Largest number of bands. In f32, places in so many tables of the usual size are exact to a 32nd of an entry.
 const MAX_BANDS: usize = 128;
 
 impl Bands {
-    /// Returns the bands of a field under the transfer function of its codes, for steps of a world length; `None` where tables cannot tell what it does, or are too many.
+    /// Returns the bands of a field under the transfer function of its codes, for steps of a world length; `None` where a table does not resolve the function, and for
+    /// too many bands.
     pub(super) fn new(field: &LabelledGrid, transfer: &TransferFunction, step: f64) -> Option<Self> {
         let volume = field.volume();
         let codes: Vec<LabelCode> = field.codes().into_iter().filter(|code| *code != LabelCode::Vacuum).collect();

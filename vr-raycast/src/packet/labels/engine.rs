@@ -6,7 +6,7 @@ use fearless_simd::Level;
 use glam::DVec3;
 use vr_core::image_order::ImageSample;
 use vr_core::labels::{LabelCode, LabelledGrid};
-use vr_core::{Compositing, Counts, Layer, MaxRadiance, ParameterError, Rays, Scene, View};
+use vr_core::{Counts, Layer, MaxRadiance, ParameterError, Rays, Scene, View};
 use vr_kernels::ranges::RangeBlocks;
 use vr_kernels::tables::rounding_over;
 use vr_kernels::vector::{self, PacketShading};
@@ -14,13 +14,14 @@ use vr_kernels::vector::{self, PacketShading};
 use super::bands::{Bands, calibration_of};
 use super::field::LabelField;
 use super::steps::LabelSteps;
-use crate::caster::{CompositingOrder, EmptySpace, Precision, RayCaster, Rule, Step, TransferLookup};
+use crate::caster::{EmptySpace, Precision, RayCaster, Rule, Step, TransferLookup};
 use crate::leap::{EDGE, Visibility, VisibleBlocks};
 use crate::packet::engine::fits;
 use crate::packet::fields::FilteredField;
 use crate::packet::level;
 use crate::packet::listed::{ListedSteps, MAX_LISTED};
 use crate::packet::march::{MarchSteps, Medium};
+use crate::packet::ray_end::RayEnd;
 use crate::packet::setup::FrameSetup;
 use crate::packet::trace::{Trace, TraceFrame};
 use crate::shade::Shader;
@@ -40,10 +41,7 @@ pub(crate) struct LabelEngine {
     visible: Option<VisibleBlocks>,
     /// Length of a step in world units.
     step: f64,
-    /// Amount at which a ray ends: no more than this could be added to any component.
-    negligible: f64,
-    /// Opacity at which rays are cut; 1 where they are not.
-    cut: f64,
+    end: RayEnd,
     max_radiance: MaxRadiance,
     shading: Option<PacketShading>,
 }
@@ -53,13 +51,7 @@ impl LabelEngine {
     pub(crate) fn new(caster: &RayCaster, scene: &Scene, source: &Source) -> Option<Self> {
         let level = level::of(caster.vector)?;
         let field = scene.volume.field()?.as_labelled_grid()?;
-        let CompositingOrder::FrontToBack { termination } = caster.order else { return None };
-        // A cut sum is ended by its cut alone.
-        let (cut, negligible) = match scene.compositing {
-            Compositing::Over => (1.0, 1.0 - termination),
-            Compositing::Accumulate { level } => (level, 0.0),
-            _ => return None,
-        };
+        let end = RayEnd::new(caster, scene)?;
         let is_drawn = matches!(caster.step, Step::Uniform(_))
             && matches!(caster.rule, Rule::Auto | Rule::Midpoint)
             && caster.transfer_lookup != TransferLookup::Exact
@@ -86,8 +78,7 @@ impl LabelEngine {
             visible: leaps.then(|| visible_blocks(field, scene, &bands)),
             bands,
             step,
-            negligible,
-            cut,
+            end,
             max_radiance: scene.max_radiance(),
             shading: shader
                 .and_then(|shader| shader.for_packets(&scene.transfer, Arc::new([]), scene.reflection().is_some())),
@@ -159,8 +150,8 @@ impl Tracer for LabelFrame<'_> {
             optics: &engine.bands.optics,
             shading: engine.shading.as_ref(),
             follows_normals: false,
-            negligible: engine.negligible as f32,
-            level: engine.cut as f32,
+            negligible: engine.end.negligible as f32,
+            level: engine.end.cut as f32,
         };
         let frame = TraceFrame {
             setup: FrameSetup {

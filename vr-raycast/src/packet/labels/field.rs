@@ -7,7 +7,7 @@ use vr_core::labels::LabelledGrid;
 use vr_kernels::vector::{Cells, LANES, Lanes, Shade, StepOptics, splat};
 
 use super::bands::Bands;
-use crate::packet::fields::{FilteredField, FilteredStage, PacketField};
+use crate::packet::fields::{FilteredField, FilteredStage, PacketField, StepKinds};
 
 /// Grid with labels: its values are places in the table of all bands.
 #[derive(Clone, Copy)]
@@ -44,6 +44,21 @@ impl Default for LabelStage {
 }
 
 impl LabelField<'_> {
+    /// Gradients at places, in solid styles those of the given lanes alone.
+    #[inline(always)]
+    fn gradients_of<S: Simd>(
+        &self,
+        simd: S,
+        lanes: u32,
+        place: &[[Lanes; 3]; 2],
+        step: &[Lanes; 3],
+        stage: &mut LabelStage,
+    ) -> [[Lanes; 3]; 2] {
+        let mut gradients = self.grid.gradients(simd, place, step, &mut stage.grid);
+        self.set_solid_gradients((&stage.bands, lanes), place, &mut gradients);
+        gradients
+    }
+
     /// Sets the gradients of lanes in solid styles, per index step of the grid and in its stored numbers. They are not followed over a step.
     #[inline(never)]
     fn set_solid_gradients(
@@ -69,7 +84,7 @@ impl LabelField<'_> {
 
 impl PacketField for LabelField<'_> {
     type Stage = LabelStage;
-    const JUMPS: bool = true;
+    const STEPS: StepKinds = StepKinds::LISTED;
 
     #[inline(always)]
     fn set_kinds(&self, stage: &mut LabelStage, kinds: &[u16; LANES]) {
@@ -106,9 +121,7 @@ impl PacketField for LabelField<'_> {
         step: &[Lanes; 3],
         stage: &mut LabelStage,
     ) -> [[Lanes; 3]; 2] {
-        let mut gradients = self.grid.gradients(simd, place, step, &mut stage.grid);
-        self.set_solid_gradients((&stage.bands, u32::MAX), place, &mut gradients);
-        gradients
+        self.gradients_of(simd, u32::MAX, place, step, stage)
     }
 
     #[inline(never)]
@@ -126,10 +139,9 @@ impl PacketField for LabelField<'_> {
         simd.vectorize(
             #[inline(always)]
             || {
-                let mut gradients = self.grid.gradients(simd, place, step, &mut stage.grid);
-                // A region's gradient costs as much as hundreds of samples, and what is clear reflects nothing.
+                // A region's gradient costs as much as many samples, and a clear sample reflects nothing.
                 let seen = light[3].load(simd).simd_gt(splat(simd, 0.0)).to_bitmask() as u32;
-                self.set_solid_gradients((&stage.bands, seen), place, &mut gradients);
+                let gradients = self.gradients_of(simd, seen, place, step, stage);
                 shade.apply_by(simd, &gradients, optics, light, |_| ());
             },
         );

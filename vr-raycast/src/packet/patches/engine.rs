@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use fearless_simd::{Level, Simd};
 use vr_core::image_order::ImageSample;
-use vr_core::{Compositing, Counts, Layer, MaxRadiance, ParameterError, Rays, Scene, View};
+use vr_core::{Counts, Layer, MaxRadiance, ParameterError, Rays, Scene, View};
 use vr_kernels::tables::{BakedTransfer, rounding_over, table_range};
 use vr_kernels::vector::{self, LANES, Lanes, OpticsTable, PacketLights, PacketShading, Vectorized};
 
@@ -12,10 +12,11 @@ use super::march::{PatchMedium, Patches, Work, march};
 use super::rays::PatchRays;
 use super::steps::StepBatches;
 use super::volume::{PatchVolume, range_of, with_patches};
-use crate::caster::{CompositingOrder, EmptySpace, Precision, RayCaster, Rule, TransferLookup};
+use crate::caster::{EmptySpace, Precision, RayCaster, Rule, TransferLookup};
 use crate::leap::Visibility;
 use crate::pace::{Lengths, Pace};
 use crate::packet::level;
+use crate::packet::ray_end::RayEnd;
 use crate::packet::shading::{row_tables, world_shading};
 use crate::source::Source;
 use crate::table_range::MAX_ROUNDING;
@@ -30,10 +31,7 @@ pub(crate) struct PatchEngine {
     optics: OpticsTable,
     /// World length in which steps are counted.
     unit: f64,
-    /// Amount at which a ray ends: no more than this could be added to any component.
-    negligible: f64,
-    /// Opacity at which rays are cut; 1 where they are not.
-    cut: f64,
+    end: RayEnd,
     max_radiance: MaxRadiance,
     shading: Option<PacketShading>,
 }
@@ -42,13 +40,7 @@ impl PatchEngine {
     /// Returns the engine for a scene and a caster's settings; `None` where it cannot draw them, and the plain one must.
     pub(crate) fn new(caster: &RayCaster, scene: &Scene, source: &Source, lengths: Lengths) -> Option<Self> {
         let level = level::of(caster.vector)?;
-        let CompositingOrder::FrontToBack { termination } = caster.order else { return None };
-        // A cut sum is ended by its cut alone.
-        let (cut, negligible) = match scene.compositing {
-            Compositing::Over => (1.0, 1.0 - termination),
-            Compositing::Accumulate { level } => (level, 0.0),
-            _ => return None,
-        };
+        let end = RayEnd::new(caster, scene)?;
         let is_drawn = matches!(caster.rule, Rule::Auto | Rule::Midpoint)
             && caster.transfer_lookup != TransferLookup::Exact
             && caster.precision == Precision::F32;
@@ -77,8 +69,7 @@ impl PatchEngine {
             level,
             optics: OpticsTable::new(&table, &scene.transfer, calibration, unit),
             unit,
-            negligible,
-            cut,
+            end,
             max_radiance: scene.max_radiance(),
             shading,
         })
@@ -108,8 +99,8 @@ impl<'a> PatchFrame<'a> {
             patches,
             optics: &self.engine.optics,
             shading: self.engine.shading.as_ref(),
-            negligible: self.engine.negligible as f32,
-            level: self.engine.cut as f32,
+            negligible: self.engine.end.negligible as f32,
+            level: self.engine.end.cut as f32,
             unit: self.engine.unit,
         }
     }

@@ -89,7 +89,7 @@ pub(super) fn march<S: Simd, T: PacketField>(
     stages: &mut [T::Stage; 2],
 ) -> Picked {
     match medium.listed {
-        Some(steps) if T::JUMPS => simd.vectorize(
+        Some(steps) if T::STEPS.has_lists => simd.vectorize(
             #[inline(always)]
             || listed(simd, medium, steps, packet, stages),
         ),

@@ -6,8 +6,8 @@ use fearless_simd::Level;
 use glam::DVec3;
 use vr_core::image_order::ImageSample;
 use vr_core::{
-    Calibration, Compositing, Counts, Layer, MaxRadiance, ParameterError, Placement, PointMixing, PointSet, Rays,
-    Scene, TransferFunction, View, Volume,
+    Calibration, Counts, Layer, MaxRadiance, ParameterError, Placement, PointMixing, PointSet, Rays, Scene,
+    TransferFunction, View, Volume,
 };
 use vr_kernels::tables::{BakedTransfer, rounding_over, table_range};
 use vr_kernels::vector::{self, OpticsTable, PacketShading, Rows};
@@ -16,11 +16,12 @@ use super::cells::PointCells;
 use super::even_ramps::EvenRamps;
 use super::field::PointField;
 use super::mean_steps::MeanSteps;
-use crate::caster::{CompositingOrder, Precision, RayCaster, Rule, Step, TransferLookup};
+use crate::caster::{Precision, RayCaster, Rule, Step, TransferLookup};
 use crate::packet::engine::MAX_STEPS;
 use crate::packet::level;
 use crate::packet::listed::{ListedSteps, MAX_LISTED};
 use crate::packet::march::{LatticeSteps, MarchSteps, Medium};
+use crate::packet::ray_end::RayEnd;
 use crate::packet::setup::FrameSetup;
 use crate::packet::shading::{row_tables, world_shading};
 use crate::packet::trace::{Trace, TraceFrame};
@@ -46,10 +47,7 @@ pub(crate) struct PointEngine {
     step: f64,
     /// Place of a step's sample, as a fraction of the step.
     offset: f64,
-    /// Amount at which a ray ends: no more than this could be added to any component.
-    negligible: f64,
-    /// Opacity at which rays are cut; 1 where they are not.
-    cut: f64,
+    end: RayEnd,
     max_radiance: MaxRadiance,
     shading: Option<PacketShading>,
 }
@@ -59,13 +57,7 @@ impl PointEngine {
     pub(crate) fn new(caster: &RayCaster, scene: &Scene, source: &Source) -> Option<Self> {
         let level = level::of(caster.vector)?;
         let Volume::Points(points) = &scene.volume else { return None };
-        let CompositingOrder::FrontToBack { termination } = caster.order else { return None };
-        // A cut sum is ended by its cut alone.
-        let (cut, negligible) = match scene.compositing {
-            Compositing::Over => (1.0, 1.0 - termination),
-            Compositing::Accumulate { level } => (level, 0.0),
-            _ => return None,
-        };
+        let end = RayEnd::new(caster, scene)?;
         let is_drawn = matches!(caster.step, Step::Uniform(_))
             && caster.transfer_lookup != TransferLookup::Exact
             && caster.precision == Precision::F32;
@@ -101,8 +93,7 @@ impl PointEngine {
             ramps: ramps.map(|(ramps, _)| ramps),
             step,
             offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
-            negligible,
-            cut,
+            end,
             max_radiance: scene.max_radiance(),
             shading,
         })
@@ -192,8 +183,8 @@ impl Tracer for PointFrame<'_> {
             optics: &engine.optics,
             shading: engine.shading.as_ref(),
             follows_normals: false,
-            negligible: engine.negligible as f32,
-            level: engine.cut as f32,
+            negligible: engine.end.negligible as f32,
+            level: engine.end.cut as f32,
         };
         let frame = TraceFrame {
             setup: FrameSetup {

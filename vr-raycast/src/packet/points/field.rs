@@ -7,7 +7,7 @@ use vr_kernels::vector::{Cells, LANES, Lanes, Shade, StepOptics, opacity_of_dept
 
 use super::cells::{Carried, NearPoint, PointCells};
 use super::even_ramps::EvenRamps;
-use crate::packet::fields::{PacketField, cells_of};
+use crate::packet::fields::{PacketField, StepKinds, cells_of};
 
 /// Field of scattered points.
 #[derive(Clone, Copy)]
@@ -319,7 +319,7 @@ impl PacketField for PointField<'_> {
     type Stage = PointStage;
 
     /// A mean begins and ends with its vacuum.
-    const JUMPS: bool = true;
+    const STEPS: StepKinds = StepKinds::OF_POINTS;
 
     #[inline(always)]
     fn has_colors(&self) -> bool {
