@@ -1,8 +1,9 @@
 //! The trilinear field at sixteen places.
 
-use super::{LANES, splat};
+use super::surroundings::Surroundings;
+use super::{LANES, splat, transpose};
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i8x64, i16x32, i32x16, u8x64, u16x32, u32x16};
+use fearless_simd::{Simd, f32x4, f32x16, i8x64, i16x32, i32x16, u8x64, u16x32, u32x16};
 use vr_core::Voxel;
 use vr_core::filter::Lattice;
 
@@ -10,9 +11,9 @@ use vr_core::filter::Lattice;
 #[derive(Clone, Copy, Debug)]
 pub struct Field<'a, T> {
     /// Rows (y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1): all equally long.
-    rows: [&'a [T]; 4],
+    pub(super) rows: [&'a [T]; 4],
     /// Number of voxels from one y and one z to the next.
-    stride: [u32; 2],
+    pub(super) stride: [u32; 2],
     /// The last cell of each axis.
     pub last_cell: [i32; 3],
 }
@@ -20,14 +21,18 @@ pub struct Field<'a, T> {
 /// Pairs of x-neighbours of sixteen places, for two rows y and y + 1.
 pub type TwoRows<T> = [[[T; 2]; LANES]; 2];
 
-/// The pairs of the faces z and z + 1; staged, for there is one load a pair and no gather.
+/// The pairs of the faces z and z + 1; staged, for there is one load a pair and no gather. And room for the voxels around, where gradients need them.
 #[repr(align(64))]
-pub struct Stage<T>([TwoRows<T>; 2]);
+pub struct Stage<T> {
+    faces: [TwoRows<T>; 2],
+    /// Voxels of cells and those around.
+    pub around: Surroundings<T>,
+}
 
 impl<T: Voxel> Default for Stage<T> {
     #[inline(always)]
     fn default() -> Self {
-        Self([[[[T::default(); 2]; LANES]; 2]; 2])
+        Self { faces: [[[[T::default(); 2]; LANES]; 2]; 2], around: Surroundings::default() }
     }
 }
 
@@ -35,15 +40,15 @@ impl<T: Pairs> Stage<T> {
     /// Puts the eight voxels around the place of a lane: four pairs of x-neighbours, y faster than z.
     #[inline(always)]
     pub fn put(&mut self, lane: usize, [p00, p10, p01, p11]: [[T; 2]; 4]) {
-        let [[s0, s1], [s2, s3]] = &mut self.0;
+        let [[s0, s1], [s2, s3]] = &mut self.faces;
         (s0[lane], s1[lane], s2[lane], s3[lane]) = (p00, p10, p01, p11);
     }
 
     /// The trilinear field at fractions of the staged cells: f = Σ w f over their corners.
     #[inline(always)]
     pub fn trilinear<S: Simd>(&self, simd: S, [tx, ty, tz]: [f32x16<S>; 3]) -> f32x16<S> {
-        let [[a00, b00], [a10, b10]] = T::split(simd, &self.0[0]);
-        let [[a01, b01], [a11, b11]] = T::split(simd, &self.0[1]);
+        let [[a00, b00], [a10, b10]] = T::split(simd, &self.faces[0]);
+        let [[a01, b01], [a11, b11]] = T::split(simd, &self.faces[1]);
         let (f00, f10) = (a00 + tx * (b00 - a00), a10 + tx * (b10 - a10));
         let (f01, f11) = (a01 + tx * (b01 - a01), a11 + tx * (b11 - a11));
         let f0 = f00 + ty * (f10 - f00);
@@ -56,6 +61,9 @@ impl<T: Pairs> Stage<T> {
 pub trait Pairs: Voxel {
     /// The left and the right voxels of two staged rows, as floats.
     fn split<S: Simd>(simd: S, rows: &TwoRows<Self>) -> [[f32x16<S>; 2]; 2];
+
+    /// The first to the fourth voxels of a staged row, as floats.
+    fn quads<S: Simd>(simd: S, row: &[[Self; 4]; LANES]) -> [f32x16<S>; 4];
 }
 
 // The closures and iterators of std are not inlined for certain, and what is not inlined loses its instructions: hence the plain
@@ -68,6 +76,12 @@ impl Pairs for u8 {
         let (y0, y1) = pairs.widen();
         [[small(y0 & 0xff), small(y0 >> 8)], [small(y1 & 0xff), small(y1 >> 8)]]
     }
+
+    #[inline(always)]
+    fn quads<S: Simd>(simd: S, row: &[[Self; 4]; LANES]) -> [f32x16<S>; 4] {
+        let x: u32x16<S> = u8x64::from_slice(simd, row.as_flattened()).bitcast();
+        [small(x & 0xff), small((x >> 8) & 0xff), small((x >> 16) & 0xff), small(x >> 24)]
+    }
 }
 
 impl Pairs for i8 {
@@ -76,6 +90,12 @@ impl Pairs for i8 {
         let pairs: i16x32<S> = i8x64::from_slice(simd, rows.as_flattened().as_flattened()).bitcast();
         let (y0, y1) = pairs.widen();
         [[((y0 << 24) >> 24).to_float(), (y0 >> 8).to_float()], [((y1 << 24) >> 24).to_float(), (y1 >> 8).to_float()]]
+    }
+
+    #[inline(always)]
+    fn quads<S: Simd>(simd: S, row: &[[Self; 4]; LANES]) -> [f32x16<S>; 4] {
+        let x: i32x16<S> = i8x64::from_slice(simd, row.as_flattened()).bitcast();
+        [((x << 24) >> 24).to_float(), ((x << 16) >> 24).to_float(), ((x << 8) >> 24).to_float(), (x >> 24).to_float()]
     }
 }
 
@@ -86,6 +106,15 @@ impl Pairs for u16 {
         let y1: u32x16<S> = u16x32::from_slice(simd, rows[1].as_flattened()).bitcast();
         [[small(y0 & 0xffff), small(y0 >> 16)], [small(y1 & 0xffff), small(y1 >> 16)]]
     }
+
+    #[inline(always)]
+    fn quads<S: Simd>(simd: S, row: &[[Self; 4]; LANES]) -> [f32x16<S>; 4] {
+        let (low, high) = row.as_flattened().split_at(2 * LANES);
+        let low: u32x16<S> = u16x32::from_slice(simd, low).bitcast();
+        let high: u32x16<S> = u16x32::from_slice(simd, high).bitcast();
+        let (x, y) = (low.unzip_low(high), low.unzip_high(high));
+        [small(x & 0xffff), small(x >> 16), small(y & 0xffff), small(y >> 16)]
+    }
 }
 
 impl Pairs for i16 {
@@ -94,6 +123,15 @@ impl Pairs for i16 {
         let y0: i32x16<S> = i16x32::from_slice(simd, rows[0].as_flattened()).bitcast();
         let y1: i32x16<S> = i16x32::from_slice(simd, rows[1].as_flattened()).bitcast();
         [[((y0 << 16) >> 16).to_float(), (y0 >> 16).to_float()], [((y1 << 16) >> 16).to_float(), (y1 >> 16).to_float()]]
+    }
+
+    #[inline(always)]
+    fn quads<S: Simd>(simd: S, row: &[[Self; 4]; LANES]) -> [f32x16<S>; 4] {
+        let (low, high) = row.as_flattened().split_at(2 * LANES);
+        let low: i32x16<S> = i16x32::from_slice(simd, low).bitcast();
+        let high: i32x16<S> = i16x32::from_slice(simd, high).bitcast();
+        let (x, y) = (low.unzip_low(high), low.unzip_high(high));
+        [((x << 16) >> 16).to_float(), (x >> 16).to_float(), ((y << 16) >> 16).to_float(), (y >> 16).to_float()]
     }
 }
 
@@ -105,11 +143,20 @@ impl Pairs for f32 {
         let (a1, b1) = (f32x16::from_slice(simd, &y1[..LANES]), f32x16::from_slice(simd, &y1[LANES..]));
         [[a0.unzip_low(b0), a0.unzip_high(b0)], [a1.unzip_low(b1), a1.unzip_high(b1)]]
     }
+
+    #[inline(always)]
+    fn quads<S: Simd>(simd: S, row: &[[Self; 4]; LANES]) -> [f32x16<S>; 4] {
+        let mut rows = [f32x4::splat(simd, 0.0); LANES];
+        for i in 0..LANES {
+            rows[i] = f32x4::load_array_ref(simd, &row[i]);
+        }
+        transpose(rows)
+    }
 }
 
 /// Converts numbers below 2³¹: signed conversion is what every machine has.
 #[inline(always)]
-pub(super) fn small<S: Simd>(x: u32x16<S>) -> f32x16<S> {
+fn small<S: Simd>(x: u32x16<S>) -> f32x16<S> {
     x.bitcast::<i32x16<S>>().to_float()
 }
 
@@ -163,7 +210,7 @@ impl<T: Pairs> Field<'_, T> {
         // Equally long, and said so: one check serves the four.
         let len = r0.len();
         let (r1, r2, r3) = (&r1[..len], &r2[..len], &r3[..len]);
-        let [[s0, s1], [s2, s3]] = &mut stage.0;
+        let [[s0, s1], [s2, s3]] = &mut stage.faces;
         for i in 0..LANES {
             let o = offset[i] as u32 as usize;
             // A slice of two: one check, where two indices take two.
@@ -186,8 +233,8 @@ impl<T: Pairs> Field<'_, T> {
     /// other axes, in their order.
     #[inline(always)]
     pub fn faces<S: Simd>(&self, simd: S, axis: usize, stage: &Stage<T>) -> [[f32x16<S>; 4]; 2] {
-        let [[a00, b00], [a10, b10]] = T::split(simd, &stage.0[0]);
-        let [[a01, b01], [a11, b11]] = T::split(simd, &stage.0[1]);
+        let [[a00, b00], [a10, b10]] = T::split(simd, &stage.faces[0]);
+        let [[a01, b01], [a11, b11]] = T::split(simd, &stage.faces[1]);
         match axis {
             0 => [[a00, a10, a01, a11], [b00, b10, b01, b11]],
             1 => [[a00, b00, a01, b01], [a10, b10, a11, b11]],

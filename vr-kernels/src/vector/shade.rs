@@ -6,7 +6,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 use glam::DVec3;
 
-use super::field::{Cells, Field, Pairs, Stage};
+use super::field::{Field, Pairs, Stage};
 use super::modulation::{Modulation, RowMixture, StepOptics};
 use super::{LANES, Lanes, ln, opacity_of_depth, pick, splat};
 use vr_core::{Light, Placement, Shading, turning};
@@ -303,9 +303,26 @@ pub fn reflect<S: Simd>(simd: S, shading: &Shading, lights: &PacketLights, w: [f
     sums
 }
 
+/// Largest whole exponent for which a power is a product: its rounding grows with the exponent.
+const MAX_PRODUCT: f32 = 64.0;
+
 /// Powers of numbers in [0, 1] with an exponent of at least 0.
 #[inline(always)]
 pub fn power_of<S: Simd>(simd: S, x: f32x16<S>, exponent: f32) -> f32x16<S> {
+    if exponent <= MAX_PRODUCT && exponent == exponent.trunc() {
+        // x^p by squares: an eighth of the time.
+        let (mut power, mut square, mut left) = (splat(simd, 1.0), x, exponent as u32);
+        loop {
+            if left & 1 == 1 {
+                power *= square;
+            }
+            left >>= 1;
+            if left == 0 {
+                return power;
+            }
+            square *= square;
+        }
+    }
     // x^p = e^(p ln x).
     let depth = ln(simd, x.max(splat(simd, f32::MIN_POSITIVE))).min(splat(simd, 0.0)) * -exponent;
     splat(simd, 1.0) - opacity_of_depth(simd, depth)
@@ -354,6 +371,8 @@ fn gradient<S: Simd, T: Pairs>(
     let cell = [cell[0].load(simd), cell[1].load(simd), cell[2].load(simd)];
     let t = [fraction[0].load(simd), fraction[1].load(simd), fraction[2].load(simd)];
     let step = [step[0].load(simd), step[1].load(simd), step[2].load(simd)];
+    let cells = [cell[0].to_int::<i32x16<S>>(), cell[1].to_int::<i32x16<S>>(), cell[2].to_int::<i32x16<S>>()];
+    field.surround(simd, cells, &mut stage.around);
     let (mut gradient, mut turn) = ([zero; 3], [zero; 3]);
     for a in 0..3 {
         let last = splat(simd, field.last_cell[a] as f32);
@@ -362,31 +381,17 @@ fn gradient<S: Simd, T: Pairs>(
         let (per_back, per_on) = (pick(first, one, half), pick(at_last, one, half));
         let (back, on) = ((one - t[a]) * per_back, t[a] * per_on);
         let [b, c] = [[1, 2], [0, 2], [0, 1]][a];
-        // The planes at either end of the cell a voxel on, and a voxel back: each its value and its change.
-        let mut planes = [[[zero; 2]; 2]; 2];
-        for (planes, shift) in planes.iter_mut().zip([1.0, -1.0]) {
-            let mut shifted = cell;
-            shifted[a] = (cell[a] + shift).max(zero).min(last);
-            let cells = Cells {
-                cell: [
-                    shifted[0].to_int::<i32x16<S>>(),
-                    shifted[1].to_int::<i32x16<S>>(),
-                    shifted[2].to_int::<i32x16<S>>(),
-                ],
-                fraction: t,
-            };
-            field.fetch(simd, &cells, stage);
-            let [low, high] = field.faces(simd, a, stage);
-            planes[0] = plane(low, [t[b], t[c]], [step[b], step[c]]);
-            planes[1] = plane(high, [t[b], t[c]], [step[b], step[c]]);
-        }
-        // Beyond the upper face the upper plane is there twice, beyond the lower one the lower.
-        let [[on_low, on_high], [back_low, back_high]] = planes;
-        let at_low = pick(at_last, on_high[0], on_low[0]) - back_low[0];
-        let at_high = on_high[0] - pick(first, back_low[0], back_high[0]);
+        // The planes across the axis, before the cell to behind it: each its value and its change.
+        let [before, low, high, behind] = stage.around.planes(simd, a);
+        let [before, low, high, behind] = [
+            plane(before, [t[b], t[c]], [step[b], step[c]]),
+            plane(low, [t[b], t[c]], [step[b], step[c]]),
+            plane(high, [t[b], t[c]], [step[b], step[c]]),
+            plane(behind, [t[b], t[c]], [step[b], step[c]]),
+        ];
+        let (at_low, at_high) = (high[0] - before[0], behind[0] - low[0]);
         gradient[a] = back * at_low + on * at_high;
-        let turn_low = pick(at_last, on_high[1], on_low[1]) - back_low[1];
-        let turn_high = on_high[1] - pick(first, back_low[1], back_high[1]);
+        let (turn_low, turn_high) = (high[1] - before[1], behind[1] - low[1]);
         turn[a] = back * turn_low + on * turn_high + step[a] * (per_on * at_high - per_back * at_low);
     }
     [gradient, turn]

@@ -1,7 +1,6 @@
 //! Gradients at sixteen places of a field whose samples lie at uneven distances.
 
-use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16};
+use fearless_simd::{Simd, f32x16};
 
 use super::field::{Cells, Field, Pairs, Stage, bilinear};
 use super::splat;
@@ -22,21 +21,12 @@ impl<T: Pairs> Field<'_, T> {
     ) -> [f32x16<S>; 3] {
         let (one, t) = (splat(simd, 1.0), at.fraction);
         let mut gradient = [splat(simd, 0.0); 3];
+        self.surround(simd, at.cell, &mut stage.around);
         for a in 0..3 {
-            let (first, last) = (i32x16::splat(simd, 0), i32x16::splat(simd, self.last_cell[a]));
             let [b, c] = [[1, 2], [0, 2], [0, 1]][a];
-            // The planes at either end of the cell below, and of the one above; beyond the box, of the cell itself.
-            let mut ends = [[splat(simd, 0.0); 2]; 2];
-            for (ends, shift) in ends.iter_mut().zip([-1, 1]) {
-                let mut cell = at.cell;
-                cell[a] = (cell[a] + shift).max(first).min(last);
-                self.fetch(simd, &Cells { cell, fraction: t }, stage);
-                let [low, high] = self.faces(simd, a, stage);
-                *ends = [bilinear(low, [t[b], t[c]]), bilinear(high, [t[b], t[c]])];
-            }
-            let [[below, low], [high, above]] = ends;
-            let low = at.cell[a].simd_le(first).select(below, low);
-            let high = at.cell[a].simd_ge(last).select(above, high);
+            let [below, low, high, above] = stage.around.planes(simd, a);
+            let (below, low) = (bilinear(below, [t[b], t[c]]), bilinear(low, [t[b], t[c]]));
+            let (high, above) = (bilinear(high, [t[b], t[c]]), bilinear(above, [t[b], t[c]]));
             // The rises between the planes, and their shares in the gradient.
             let back = one - t[a];
             let [low_below, low_above, high_below, high_above] = factors[a];
@@ -50,7 +40,8 @@ impl<T: Pairs> Field<'_, T> {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::{Level, dispatch};
+    use fearless_simd::prelude::*;
+    use fearless_simd::{Level, dispatch, i32x16};
     use vr_core::filter::Lattice;
 
     use super::*;

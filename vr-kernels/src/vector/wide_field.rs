@@ -1,11 +1,11 @@
 //! The field of filters of four taps an axis, at sixteen places.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4, f32x16, i8x64, i16x32, i32x16, u8x64, u16x32, u32x16};
+use fearless_simd::{Simd, f32x4, f32x16, u32x16};
 use vr_core::filter::Lattice;
 use vr_core::{Filter, Voxel};
 
-use super::field::{Cells, Pairs, small};
+use super::field::{Cells, Pairs};
 use super::taps::{AxisWeights, base, tap_slopes, tap_weights};
 use super::{LANES, Lanes, splat, transpose};
 
@@ -61,12 +61,6 @@ pub trait Blocks: Pairs {
         weights: [&[Lanes; 4]; 2],
         slopes: [&[Lanes; 4]; 2],
     ) -> [Columns<S>; 3];
-}
-
-/// Integers whose fours can be taken apart.
-trait Quads: Pairs {
-    /// The first to the fourth voxels of a staged row, as floats.
-    fn quads<S: Simd>(simd: S, row: &[[Self; 4]; LANES]) -> Columns<S>;
 }
 
 macro_rules! staged_blocks {
@@ -212,44 +206,6 @@ impl Blocks for f32 {
             (sums[i], along_y[i], along_z[i]) = (sum, sum_y, sum_z);
         }
         [transpose(sums), transpose(along_y), transpose(along_z)]
-    }
-}
-
-impl Quads for u8 {
-    #[inline(always)]
-    fn quads<S: Simd>(simd: S, row: &[[Self; 4]; LANES]) -> Columns<S> {
-        let x: u32x16<S> = u8x64::from_slice(simd, row.as_flattened()).bitcast();
-        [small(x & 0xff), small((x >> 8) & 0xff), small((x >> 16) & 0xff), small(x >> 24)]
-    }
-}
-
-impl Quads for i8 {
-    #[inline(always)]
-    fn quads<S: Simd>(simd: S, row: &[[Self; 4]; LANES]) -> Columns<S> {
-        let x: i32x16<S> = i8x64::from_slice(simd, row.as_flattened()).bitcast();
-        [((x << 24) >> 24).to_float(), ((x << 16) >> 24).to_float(), ((x << 8) >> 24).to_float(), (x >> 24).to_float()]
-    }
-}
-
-impl Quads for u16 {
-    #[inline(always)]
-    fn quads<S: Simd>(simd: S, row: &[[Self; 4]; LANES]) -> Columns<S> {
-        let (low, high) = row.as_flattened().split_at(2 * LANES);
-        let low: u32x16<S> = u16x32::from_slice(simd, low).bitcast();
-        let high: u32x16<S> = u16x32::from_slice(simd, high).bitcast();
-        let (x, y) = (low.unzip_low(high), low.unzip_high(high));
-        [small(x & 0xffff), small(x >> 16), small(y & 0xffff), small(y >> 16)]
-    }
-}
-
-impl Quads for i16 {
-    #[inline(always)]
-    fn quads<S: Simd>(simd: S, row: &[[Self; 4]; LANES]) -> Columns<S> {
-        let (low, high) = row.as_flattened().split_at(2 * LANES);
-        let low: i32x16<S> = i16x32::from_slice(simd, low).bitcast();
-        let high: i32x16<S> = i16x32::from_slice(simd, high).bitcast();
-        let (x, y) = (low.unzip_low(high), low.unzip_high(high));
-        [((x << 16) >> 16).to_float(), (x >> 16).to_float(), ((y << 16) >> 16).to_float(), (y >> 16).to_float()]
     }
 }
 

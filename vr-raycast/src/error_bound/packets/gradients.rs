@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
-use vr_kernels::vector::{Cells, Field, Lanes, Pairs, Stage, pick, splat};
+use vr_kernels::vector::{Field, Lanes, Pairs, Stage, pick, splat};
 
 /// World gradients at the samples of sixteen cells, x fastest, but for their common length.
 pub(super) struct Corners<S: Simd> {
@@ -33,31 +33,19 @@ impl<S: Simd> Corners<S> {
     ) -> Self {
         let (zero, one, half) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, 0.5));
         let cell = [cell[0].load(simd), cell[1].load(simd), cell[2].load(simd)];
+        let cells = [cell[0].to_int::<i32x16<S>>(), cell[1].to_int::<i32x16<S>>(), cell[2].to_int::<i32x16<S>>()];
+        field.surround(simd, cells, &mut stage.around);
         let mut per_index = [[zero; 8]; 3];
         let mut reach = zero;
         for a in 0..3 {
             let last = splat(simd, field.last_cell[a] as f32);
             let (at_first, at_last) = (cell[a].simd_le(zero), cell[a].simd_ge(last));
             let (at_low, at_high) = (pick(at_first, one, half), pick(at_last, one, half));
-            // The faces of the cells a sample on and a sample back; beyond a face of the volume lies its own.
-            let mut faces = [[[zero; 4]; 2]; 2];
-            for (faces, shift) in faces.iter_mut().zip([1.0, -1.0]) {
-                let mut shifted = cell;
-                shifted[a] = (cell[a] + shift).max(zero).min(last);
-                let cell = [
-                    shifted[0].to_int::<i32x16<S>>(),
-                    shifted[1].to_int::<i32x16<S>>(),
-                    shifted[2].to_int::<i32x16<S>>(),
-                ];
-                field.fetch(simd, &Cells { cell, fraction: [zero; 3] }, stage);
-                *faces = field.faces(simd, a, stage);
-            }
-            let [[on_low, on_high], [back_low, back_high]] = faces;
+            let [before, lower, upper, behind] = stage.around.planes(simd, a);
             let [b, c] = [[1, 2], [0, 2], [0, 1]][a];
             let mut largest = zero;
             for k in 0..4 {
-                let low = at_low * (pick(at_last, on_high[k], on_low[k]) - back_low[k]);
-                let high = at_high * (on_high[k] - pick(at_first, back_low[k], back_high[k]));
+                let (low, high) = (at_low * (upper[k] - before[k]), at_high * (behind[k] - lower[k]));
                 let i = (k & 1) << b | (k >> 1) << c;
                 (per_index[a][i], per_index[a][i | 1 << a]) = (low, high);
                 largest = largest.max(low.abs()).max(high.abs());
