@@ -49,6 +49,17 @@ impl<S: Simd> Way<S> {
     }
 }
 
+/// Way through the cell that lies ahead, or a part of it, before the samples of that are used.
+pub(super) struct Entry<S: Simd> {
+    at: f32x16<S>,
+    pub(super) to: f32x16<S>,
+    /// Place from which the cell was found, with its numbers and the place in it.
+    begin: f32x16<S>,
+    cell: [f32x16<S>; 3],
+    fraction: [f32x16<S>; 3],
+    fresh: mask32x16<S>,
+}
+
 /// Step through the cell that lies ahead, or a part of it.
 pub(super) struct Ahead<S: Simd> {
     pub(super) to: f32x16<S>,
@@ -59,28 +70,41 @@ pub(super) struct Ahead<S: Simd> {
     pub(super) middle: [f32x16<S>; 3],
 }
 
-impl<S: Simd> Ahead<S> {
-    /// Steps from places `at`, where the last cell gave a value, to the end of the cell, but not beyond a limit. A ray that is `fresh` first learns where it is, in a step of no length;
-    /// so does one that is not active.
+impl<S: Simd> Entry<S> {
+    /// Enters cells at places `at`, and fetches their samples. Ways end with the cell, but not beyond a limit. One that is `fresh` has no length, so that its ray learns where it is;
+    /// so has one that is not active.
     #[inline(always)]
     pub(super) fn new<T: Pairs>(
         simd: S,
         medium: &Medium<'_, T>,
         way: &Way<S>,
-        [at, value, limit]: [f32x16<S>; 3],
+        [at, limit]: [f32x16<S>; 2],
         [active, fresh]: [mask32x16<S>; 2],
         stage: &mut Stage<T>,
     ) -> Self {
-        let Way { path, exits, delta, margin, cubic, unsure, .. } = way;
-        let begin = at + *margin;
-        let (cell, cells) = path.cells(simd, begin);
+        let begin = at + way.margin;
+        let (cell, cells) = way.path.cells(simd, begin);
         medium.field.fetch(simd, &cells, stage);
-        let to = (begin + (exits.of_cell(simd, &cells.fraction) + *margin)).min(limit);
+        let to = (begin + (way.exits.of_cell(simd, &cells.fraction) + way.margin)).min(limit);
         let to = pick(active & !fresh, to, at);
+        Self { at, to, begin, cell, fraction: cells.fraction, fresh }
+    }
+
+    /// Takes the step, where the last cell gave a value at its begin.
+    #[inline(always)]
+    pub(super) fn step<T: Pairs>(
+        self,
+        simd: S,
+        medium: &Medium<'_, T>,
+        way: &Way<S>,
+        value: f32x16<S>,
+        stage: &Stage<T>,
+    ) -> Ahead<S> {
+        let Self { at, to, begin, cell, fraction: [x, y, z], fresh } = self;
+        let delta = &way.delta;
         let length = to - at;
         let back = at - begin;
         let (half, forth) = (back + length * 0.5, to - begin);
-        let [x, y, z] = cells.fraction;
         let first = [x + delta[0] * back, y + delta[1] * back, z + delta[2] * back];
         let middle = [x + delta[0] * half, y + delta[1] * half, z + delta[2] * half];
         let last = [x + delta[0] * forth, y + delta[1] * forth, z + delta[2] * forth];
@@ -89,10 +113,10 @@ impl<S: Simd> Ahead<S> {
         let off = pick(fresh, splat(simd, 0.0), (along.begin - value).abs());
         let course = Course {
             values: [pick(fresh, along.end, along.begin), along.middle, along.end],
-            cubic: along.third.abs() * (*cubic * length * length * length),
-            unsure: *unsure + off,
+            cubic: along.third.abs() * (way.cubic * length * length * length),
+            unsure: way.unsure + off,
         };
-        Self { to, length, course, cell, middle }
+        Ahead { to, length, course, cell, middle }
     }
 }
 

@@ -4,11 +4,11 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_kernels::vector::{Field, LANES, Lanes, PacketLights, Pairs, Stage, Sums, pick, splat};
 
-use super::cell::{Ahead, Way};
+use super::cell::{Ahead, Entry, Way};
 use super::clear_blocks::ClearBlocks;
 use super::color_change::{ColorChange, PacketReflection, Places};
 use super::cost_table::CostTable;
-use super::step::{Absorption, Doubt, Step};
+use super::step::{Absorption, Doubt, Here, Step};
 use super::stretch::{STEPS, Stretch};
 
 /// Medium that the rays of a frame go through.
@@ -65,6 +65,9 @@ const AIMS: [f32; 2] = [0.8, 0.4];
 /// Largest number of rounds of a packet; rays that are not done then have no bound here.
 const MAX_ROUNDS: u32 = 1 << 13;
 
+/// Number of rounds after which the last rays of a packet are left to the cell-by-cell integrator, where steps cost much: that takes as long for a ray as some 3000 of these rounds.
+const MANY_ROUNDS: u32 = 1 << 12;
+
 /// Numbers of rounds in which steps are taken one by one when a stretch has cost more than its share: after one that did not, and at most.
 const MIN_PAUSE: u32 = 8;
 const MAX_PAUSE: u32 = 128;
@@ -77,7 +80,7 @@ struct Advance<S: Simd> {
     to: f32x16<S>,
     /// Value and medium there.
     value: f32x16<S>,
-    there: [f32x16<S>; 4],
+    there: Here<S>,
     light: [f32x16<S>; 4],
     cost: f32x16<S>,
     /// Number of times that the transmittance is rounded.
@@ -90,16 +93,21 @@ pub(super) fn march<S: Simd, T: Pairs>(
     simd: S,
     medium: &Medium<'_, T>,
     packet: &Packet,
-    stage: &mut Stage<T>,
+    stages: &mut [Stage<T>; 2],
 ) -> Marched {
     simd.vectorize(
         #[inline(always)]
-        || march_inlined(simd, medium, packet, stage),
+        || march_inlined(simd, medium, packet, stages),
     )
 }
 
 #[inline(always)]
-fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Packet, stage: &mut Stage<T>) -> Marched {
+fn march_inlined<S: Simd, T: Pairs>(
+    simd: S,
+    medium: &Medium<'_, T>,
+    packet: &Packet,
+    stages: &mut [Stage<T>; 2],
+) -> Marched {
     let Medium { field, blocks, costs, .. } = medium;
     let way = Way::new(simd, medium, packet);
     let Way { path, exits, margin, beyond, .. } = &way;
@@ -121,7 +129,7 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
     let (mut at, mut out) = (packet.first.load(simd), never);
     let mut step = one;
     let mut value = zero;
-    let mut here = [zero; 4];
+    let mut here = [zero; 5];
     let mut fresh = zero.simd_eq(zero);
     let mut found = ColorChange::NONE;
     let mut places = Places {
@@ -142,7 +150,7 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
         }
         rounds += 1;
         // The last few rays of many steps are quicker one by one, where a step costs much.
-        let few = medium.reflection.is_some() && rounds > 1024 && live.to_bitmask().count_ones() <= 2;
+        let few = medium.reflection.is_some() && rounds > MANY_ROUNDS && live.to_bitmask().count_ones() <= 2;
         if few || rounds > MAX_ROUNDS {
             failed |= live;
             break;
@@ -173,7 +181,7 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
         let clear = sums.clear(simd);
         let advance = if pause == 0 && medium.reflection.is_none() {
             // Several steps under one account, where that has gone well of late.
-            let stretch = Stretch::new(simd, medium, &way, [at, value, end], &here, [active, fresh], stage);
+            let stretch = Stretch::new(simd, medium, &way, [at, value, end], &here, [active, fresh], stages);
             samples += stretch.samples;
             let cost = clear * stretch.missed;
             let left = clear * (one - stretch.light[3]);
@@ -196,7 +204,9 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
         } else {
             pause = pause.saturating_sub(1);
             samples += active.to_bitmask().count_ones();
-            let ahead = Ahead::new(simd, medium, &way, [at, value, (at + step).min(end)], [active, fresh], stage);
+            let [stage, _] = &mut *stages;
+            let entry = Entry::new(simd, medium, &way, [at, (at + step).min(end)], [active, fresh], stage);
+            let ahead = entry.step(simd, medium, &way, value, stage);
             let Ahead { to, length, course, .. } = &ahead;
             let (to, length) = (*to, *length);
             let absorption = Absorption::new(simd, costs, &here, course, length);
@@ -250,7 +260,7 @@ fn march_inlined<S: Simd, T: Pairs>(simd: S, medium: &Medium<'_, T>, packet: &Pa
         rounded = pick(stepped & light[3].simd_gt(zero), rounded + clear * unit * advance.roundings, rounded);
         at = pick(taken, to, at);
         value = pick(taken, advance.value, value);
-        for c in 0..4 {
+        for c in 0..5 {
             here[c] = pick(taken, advance.there[c], here[c]);
         }
         fresh &= !taken;

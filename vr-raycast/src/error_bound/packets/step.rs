@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
-use vr_kernels::vector::{opacity_of_depth, source_weight, splat};
+use vr_kernels::vector::{opacity_of_depth, pick, source_weight, splat};
 
 use super::color_change::{ColorChange, load};
 use super::cost_table::{Changes, CostTable};
@@ -18,14 +18,17 @@ pub(super) struct Course<S: Simd> {
     pub(super) unsure: f32x16<S>,
 }
 
+/// Medium at sixteen places: colour and extinction, and how the latter changes with the value.
+pub(super) type Here<S> = [f32x16<S>; 5];
+
 /// Absorption along sixteen steps.
 pub(super) struct Absorption<S: Simd> {
     pub(super) length: f32x16<S>,
-    /// Optical depth, as if κ were linear in the value, and opacity.
+    /// Optical depth, and opacity.
     pub(super) tau: f32x16<S>,
     pub(super) opacity: f32x16<S>,
     /// Medium at the end, and how it changes with the value there.
-    pub(super) there: [f32x16<S>; 4],
+    pub(super) there: Here<S>,
     slopes: [f32x16<S>; 4],
     /// Change of the optical depth along the step, as if it were that of the begin and that of the end throughout.
     change: f32x16<S>,
@@ -60,7 +63,7 @@ pub(super) struct Step<S: Simd> {
     /// Light and opacity.
     pub(super) light: [f32x16<S>; 4],
     /// Medium at the end.
-    pub(super) there: [f32x16<S>; 4],
+    pub(super) there: Here<S>,
     /// Bound on the error of the radiance in front of the step, for any radiance behind it up to the brightest.
     pub(super) missed: f32x16<S>,
     /// The part of that bound which is proportional to the length, so that shorter steps gain nothing: rounding, and the errors of tables.
@@ -78,20 +81,33 @@ impl<S: Simd> Course<S> {
     pub(super) fn span(&self) -> f32x16<S> {
         (self.values[2] - self.values[0]).abs()
     }
+
+    /// Returns the largest distance from the line.
+    #[inline(always)]
+    pub(super) fn beside(&self) -> f32x16<S> {
+        self.bow().abs() + self.cubic
+    }
+
+    /// Returns the largest distance from the line where the values may leave the range between the ends, and 0 where they are monotone.
+    #[inline(always)]
+    pub(super) fn outside(&self, simd: S) -> f32x16<S> {
+        // The cubic part has a slope of 10.4 times its largest value at most.
+        let is_monotone = (self.bow().abs() * 4.0 + self.cubic * 10.4).simd_le(self.span());
+        pick(is_monotone, splat(simd, 0.0), self.beside())
+    }
 }
 
 impl<S: Simd> Absorption<S> {
     /// Absorbs along steps of a length from places with the medium `here`; the README beside this folder derives each bound.
     #[inline(always)]
-    pub(super) fn new(
-        simd: S,
-        costs: &CostTable,
-        here: &[f32x16<S>; 4],
-        course: &Course<S>,
-        length: f32x16<S>,
-    ) -> Self {
-        let [there, slopes] = costs.medium(simd, course.values[2]);
-        let tau = ((here[3] + there[3]) * 0.5 + slopes[3] * course.bow() * (2.0 / 3.0)).max(splat(simd, 0.0)) * length;
+    pub(super) fn new(simd: S, costs: &CostTable, here: &Here<S>, course: &Course<S>, length: f32x16<S>) -> Self {
+        let [[r, g, b, kappa], slopes] = costs.medium(simd, course.values[2]);
+        let there = [r, g, b, kappa, slopes[3]];
+        // The chord of κ, less half of what κ may be below it if its slope only rises; and the parabola.
+        let rise = course.values[2] - course.values[0];
+        let bent = (there[4] - here[4]) * rise * (1.0 / 16.0);
+        let bowed = (here[4] + there[4]) * course.bow() * (1.0 / 3.0);
+        let tau = ((here[3] + there[3]) * 0.5 - bent + bowed).max(splat(simd, 0.0)) * length;
         let change = (there[3] - here[3]) * length;
         Self { length, tau, opacity: opacity_of_depth(simd, tau), there, slopes, change }
     }
@@ -114,7 +130,7 @@ impl<S: Simd> Absorption<S> {
     pub(super) fn emission(
         &self,
         simd: S,
-        here: &[f32x16<S>; 4],
+        here: &Here<S>,
         bow: f32x16<S>,
         color_change: Option<&ColorChange>,
     ) -> Emission<S> {
@@ -152,18 +168,20 @@ impl<S: Simd> Absorption<S> {
 }
 
 impl<S: Simd> Doubt<S> {
-    /// Bounds what is missed along lengths whose values lie in a range, in steps over which they change by `span` at most, beside a line by `beside` at most.
+    /// Bounds what is missed along lengths whose values lie in a range, in steps over which they change by `span` at most, beside a line by `beside` at most; `outside`: by how much at most
+    /// where they may leave the range between the ends of a step, 0 where they do not.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
         costs: &CostTable,
         [low, high]: [f32x16<S>; 2],
-        [span, beside]: [f32x16<S>; 2],
+        [span, beside, outside]: [f32x16<S>; 3],
         length: f32x16<S>,
     ) -> Self {
         let changes = costs.changes(simd, low, high);
         let looked_up = changes.kappa * costs.quarter * length;
-        let missed_depth = changes.kappa * (span * (1.0 / 6.0) + beside * (2.0 / 3.0)) * length + looked_up;
+        let missed_depth =
+            changes.kappa * (span * (1.0 / 16.0) + (beside + outside) * (1.0 / 3.0)) * length + looked_up;
         Self { changes, missed_depth, looked_up, walls: costs.walls(simd, low, high) }
     }
 
@@ -171,9 +189,10 @@ impl<S: Simd> Doubt<S> {
     #[inline(always)]
     pub(super) fn of_step(simd: S, costs: &CostTable, course: &Course<S>, length: f32x16<S>) -> Self {
         let [first, _, last] = course.values;
-        let beside = course.bow().abs() + course.cubic;
+        let beside = course.beside();
         let room = beside + course.unsure;
-        Self::new(simd, costs, [first.min(last) - room, first.max(last) + room], [course.span(), beside], length)
+        let spans = [course.span(), beside, course.outside(simd)];
+        Self::new(simd, costs, [first.min(last) - room, first.max(last) + room], spans, length)
     }
 
     /// Returns true for rays that may see something of steps with these opacities.
@@ -203,7 +222,7 @@ impl<S: Simd> Step<S> {
     pub(super) fn new(
         simd: S,
         costs: &CostTable,
-        here: &[f32x16<S>; 4],
+        here: &Here<S>,
         course: &Course<S>,
         (absorption, doubt): (Absorption<S>, Doubt<S>),
         [beyond, margin]: [f32x16<S>; 2],
@@ -277,7 +296,8 @@ mod tests {
                 let simd = baseline();
                 let step = {
                     let at = |x: f64| splat(simd, x as f32);
-                    let [here, _] = costs.medium(simd, at(f(0.0)));
+                    let [[r, g, b, kappa], slopes] = costs.medium(simd, at(f(0.0)));
+                    let here = [r, g, b, kappa, slopes[3]];
                     let course = Course {
                         values: [at(f(0.0)), at(f(0.5)), at(f(1.0))],
                         cubic: at(cubic.abs() * 0.0482 * f64::from(factor)),

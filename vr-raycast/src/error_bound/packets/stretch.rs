@@ -4,9 +4,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_kernels::vector::{Pairs, Stage, splat};
 
-use super::cell::{Ahead, Way};
+use super::cell::{Entry, Way};
 use super::march::Medium;
-use super::step::{Absorption, Doubt, missed_order};
+use super::step::{Absorption, Doubt, Here, missed_order};
 
 /// Number of steps in a stretch, each of which goes through one cell.
 pub(super) const STEPS: u32 = 4;
@@ -16,7 +16,7 @@ pub(super) struct Stretch<S: Simd> {
     /// Places at the end, and value and medium there.
     pub(super) to: f32x16<S>,
     pub(super) value: f32x16<S>,
-    pub(super) there: [f32x16<S>; 4],
+    pub(super) there: Here<S>,
     /// Light and opacity.
     pub(super) light: [f32x16<S>; 4],
     /// Bound on the error of the radiance in front of the stretch, for any radiance behind it up to the brightest.
@@ -33,25 +33,34 @@ impl<S: Simd> Stretch<S> {
         medium: &Medium<'_, T>,
         way: &Way<S>,
         [start, value, end]: [f32x16<S>; 3],
-        here: &[f32x16<S>; 4],
+        here: &Here<S>,
         [active, fresh]: [mask32x16<S>; 2],
-        stage: &mut Stage<T>,
+        stages: &mut [Stage<T>; 2],
     ) -> Self {
         let costs = medium.costs;
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let (mut at, mut value, mut there, mut fresh) = (start, value, *here, fresh);
+        let (mut at, mut value, mut there) = (start, value, *here);
         let mut light = [zero; 4];
         let mut samples = 0;
         // The largest of each: range of values, their change in a step, their distance from a line, their error; slopes of the colours and of κ; optical depth of a step, its change along
         // it, and the change of light.
         let (mut low, mut high) = (splat(simd, f32::INFINITY), splat(simd, f32::NEG_INFINITY));
-        let (mut span, mut beside, mut unsure) = (zero, zero, zero);
+        let (mut span, mut beside, mut outside, mut unsure) = (zero, zero, zero, zero);
         let (mut color_slope, mut kappa_slope) = (zero, zero);
         let (mut tau, mut uneven, mut change) = (zero, zero, zero);
         // Sum of what bulges of the colours add where opacity is spread unevenly, and of what is missed of their cubic parts.
         let mut bulged = zero;
-        for _ in 0..STEPS {
-            let ahead = Ahead::new(simd, medium, way, [at, value, end], [active, fresh], stage);
+        let [mut stage, mut next_stage] = stages.each_mut();
+        let mut entry = Entry::new(simd, medium, way, [at, end], [active, fresh], stage);
+        let old = active & !active;
+        for step in 1..=STEPS {
+            // While a step waits for its samples, those of the next one are fetched.
+            let next = if step < STEPS {
+                Some(Entry::new(simd, medium, way, [entry.to, end], [active, old], next_stage))
+            } else {
+                None
+            };
+            let ahead = entry.step(simd, medium, way, value, stage);
             samples += (active & ahead.length.simd_gt(zero)).to_bitmask().count_ones();
             let course = &ahead.course;
             let [first, _, last] = course.values;
@@ -65,7 +74,8 @@ impl<S: Simd> Stretch<S> {
             low = low.min(first).min(last);
             high = high.max(first).max(last);
             span = span.max(course.span());
-            beside = beside.max(course.bow().abs() + course.cubic);
+            beside = beside.max(course.beside());
+            outside = outside.max(course.outside(simd));
             unsure = unsure.max(course.unsure);
             let [steep_color, steep_kappa] = absorption.steepness();
             color_slope = color_slope.max(steep_color);
@@ -77,11 +87,13 @@ impl<S: Simd> Stretch<S> {
             bulged += emission.bulge * (absorption.tau * opacity + absorption.unevenness()) * 0.52
                 + steep_color * course.cubic * opacity;
             (at, value, there) = (ahead.to, last, absorption.there);
-            fresh &= !active;
+            let Some(next) = next else { break };
+            entry = next;
+            std::mem::swap(&mut stage, &mut next_stage);
         }
         let length = at - start;
         let room = beside + unsure;
-        let doubt = Doubt::new(simd, costs, [low - room, high + room], [span, beside], length);
+        let doubt = Doubt::new(simd, costs, [low - room, high + room], [span, beside, outside], length);
         let bent_color = doubt.color(costs, span, beside);
         let skew = (kappa_slope * beside + doubt.changes.kappa * (span * 0.25 + beside)) * length;
         let steps = STEPS as f32;
@@ -178,9 +190,9 @@ mod tests {
                     let (zero, end) = (splat(simd, 0.0), splat(simd, length as f32));
                     let all = zero.simd_eq(zero);
                     let way = Way::new(simd, &medium, &packet);
-                    let mut stage = Stage::default();
+                    let mut stages = [Stage::default(), Stage::default()];
                     let stretch =
-                        Stretch::new(simd, &medium, &way, [zero, zero, end], &[zero; 4], [all, all], &mut stage);
+                        Stretch::new(simd, &medium, &way, [zero, zero, end], &[zero; 5], [all, all], &mut stages);
                     let [r, g, b, a] = stretch.light;
                     [r, g, b, a, stretch.missed, stretch.to].map(|lanes| f64::from(lanes[LANES / 2]))
                 };
