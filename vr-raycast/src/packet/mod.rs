@@ -27,7 +27,7 @@
 //!   0 to 9 %.
 //!
 //! And in the engine: tables of 1024 entries instead of 4096, 1 %; rays that leap until all of a packet, or three quarters, see something,
-//! instead of half: 0.95.
+//! instead of half: 0.95. Lanes that take a ray of the tile as soon as theirs has ended: 0.83 to 1.05, for neighbours that begin together share cache lines.
 
 #[cfg(test)]
 mod compared;
