@@ -3,16 +3,17 @@
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use vr_core::parallel;
+use vr_core::{cancel, memory, parallel};
 
 use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::layout::Layout;
 use crate::regular_file;
 
+use super::listing::Listing;
 use super::metadata::Array;
 
 /// Most chunks of one volume: more would be files of a few voxels each.
-const MAX_CHUNKS: usize = 1 << 24;
+const MAX_CHUNKS: usize = 1 << 22;
 /// Bytes that an array may have of which few chunks are stored.
 const MAX_SPARSE_BYTES: u64 = 1 << 32;
 /// Bytes that a byte of a stored chunk may stand for beyond that.
@@ -63,19 +64,25 @@ impl Selection {
             let found = format_args!("{:?} of them in a volume", self.counts).to_string();
             return Err(in_file(FieldError::new("chunks", found, format!("must be at most {MAX_CHUNKS}"))));
         }
+        // Before a look at any of them.
+        let claimed = self.count() as u64 * self.array.scalar.bytes() as u64;
+        memory::check("the volume", claimed).map_err(|e| FileError::new(&self.array.file, e))?;
         let [nx, ny, nz] = self.counts;
         let mut stored = Stored { places: Vec::new(), files: Vec::new(), missing: 0 };
         // Those that are there, and their lengths.
         let mut files: Vec<(PathBuf, u64)> = Vec::new();
         // The file looked at last, and whether it is there: chunks of a shard share one.
         let mut last: Option<(PathBuf, bool)> = None;
+        let mut listing = Listing::new(&self.array.folder);
         for z in 0..nz {
             for y in 0..ny {
+                cancel::poll();
                 for x in 0..nx {
                     let file = self.file([x, y, z]);
                     let known = last.as_ref().filter(|(path, _)| *path == file).map(|(_, there)| *there);
                     let there = known.unwrap_or_else(|| {
-                        let found = std::fs::metadata(&file).ok().filter(std::fs::Metadata::is_file);
+                        let listed = listing.may_have(&file).then(|| std::fs::metadata(&file).ok()).flatten();
+                        let found = listed.filter(std::fs::Metadata::is_file);
                         if let Some(found) = &found {
                             files.push((file.clone(), found.len()));
                         }
@@ -94,7 +101,6 @@ impl Selection {
         files.sort_unstable();
         files.dedup_by(|a, b| a.0 == b.0);
         let bytes = files.iter().fold(0u64, |n, (_, length)| n.saturating_add(*length));
-        let claimed = self.count() as u64 * self.array.scalar.bytes() as u64;
         if claimed > bytes.saturating_mul(MAX_RATIO).max(MAX_SPARSE_BYTES) {
             let found = format_args!("{claimed} bytes behind {bytes} bytes of chunks").to_string();
             return Err(in_file(FieldError::new("shape", found, format!("must be at most {MAX_RATIO} to one"))));

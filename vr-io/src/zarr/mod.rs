@@ -9,6 +9,7 @@ mod chunks;
 mod codec;
 mod crc32c;
 mod json;
+mod listing;
 mod metadata;
 mod multiscales;
 mod roles;
