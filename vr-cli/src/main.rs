@@ -93,6 +93,8 @@ fn run() -> Result<(), Failure> {
     let control = threads::control(global.threads, console)?;
     interrupt::cancels(&control);
     memory_limit::enforce(global.memory);
+    #[cfg(feature = "view")]
+    let mut page = None;
     // Reading and sampling volumes is parallel, too: all of a command runs on the control's threads.
     let done = control.cancellable(|| match &command {
         Command::Render(args) => render::run(args, console, &control),
@@ -112,9 +114,12 @@ fn run() -> Result<(), Failure> {
         Command::Ray(args) => ray::run(args, console, &control),
         Command::Physics(args) => physics::run(args, console, &control),
         #[cfg(feature = "view")]
-        Command::View(args) => view::run(args, console, &control),
+        Command::View(args) => view::open(args, console).map(|opened| page = Some(opened)),
         Command::Help(args) => help::run(args, Cli::command()),
     });
     let done = done.unwrap_or_else(|stopped| Err(Failure::failed(stopped)));
+    // But a server: it would hold one of the threads that draw.
+    #[cfg(feature = "view")]
+    let done = done.and_then(|()| page.map_or(Ok(()), |page| page.serve(&control)));
     done.map_err(|failure| if control.is_cancelled() { failure.cancelled() } else { failure })
 }

@@ -16,11 +16,28 @@ use crate::failure::Failure;
 use crate::renderers;
 use crate::scene_setup::{Configured, Setup};
 
-/// Opens a scene in the browser, and draws what the page asks for until it is closed, or Ctrl-C.
+/// Scene that is open in the browser, and waits for its server to run.
+pub struct Page {
+    server: Server,
+    document: Document,
+    stays: bool,
+}
+
+impl Page {
+    /// Draws what the page asks for, on the control's threads, until it is closed, or Ctrl-C.
+    ///
+    /// # Errors
+    /// A fault of the network.
+    pub fn serve(self, control: &Control) -> Result<(), Failure> {
+        self.server.run(self.document, control, self.stays).map_err(Failure::failed)
+    }
+}
+
+/// Opens a scene in the browser.
 ///
 /// # Errors
 /// Any fault of the command line, the volume or the scene; an address that cannot be listened at.
-pub fn run(args: &ViewArgs, console: Console, control: &Control) -> Result<(), Failure> {
+pub fn open(args: &ViewArgs, console: Console) -> Result<Page, Failure> {
     args.scene.image.check_opaque()?;
     // An address that is taken is said before gigabytes are read.
     let opening = Opening {
@@ -47,7 +64,7 @@ pub fn run(args: &ViewArgs, console: Console, control: &Control) -> Result<(), F
     if !args.page.no_open && !browser::open(&address) {
         console.note("no browser was found to open: open the address in one");
     }
-    server.run(document, control, args.page.stay).map_err(Failure::failed)
+    Ok(Page { server, document, stays: args.page.stay })
 }
 
 /// Reads a volume that was chosen in the page, with the scene that suits it.

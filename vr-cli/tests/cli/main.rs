@@ -31,3 +31,4 @@ mod strange_files;
 mod transfer_rows;
 mod uneven_files;
 mod unused;
+mod view;

@@ -53,11 +53,25 @@ impl ReferencePixels {
         pixels: Vec<[u32; 2]>,
         control: &Control,
     ) -> Result<Self, RenderError> {
+        Self::solve_by(&Reference::default(), (scene, view), model, pixels, control)
+    }
+
+    /// Does what [`Self::solve`] does, by a reference of a tolerance of its own.
+    ///
+    /// # Errors
+    /// Those of [`Self::solve`].
+    pub fn solve_by(
+        reference: &Reference,
+        (scene, view): (&Scene, &View),
+        model: &Model,
+        pixels: Vec<[u32; 2]>,
+        control: &Control,
+    ) -> Result<Self, RenderError> {
         if scene.scattering.is_some() && matches!(model, Model::Canonical) {
             return scattered::solve((scene, view), pixels, control);
         }
         let start = Instant::now();
-        let solution = Reference::default().solve_pixels(scene, view, model, &pixels, control)?;
+        let solution = reference.solve_pixels(scene, view, model, &pixels, control)?;
         Ok(Self::new(pixels, &solution, start))
     }
 

@@ -5,8 +5,7 @@ use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
 use vr_core::clock::Instant;
-use vr_core::{Control, Frame, Model, Prepared, RenderError, Renderer, Scene, View};
-use vr_physics::metrics::subgrid;
+use vr_core::{Control, Frame, Prepared, RenderError, Renderer, Scene, View};
 use vr_study::reference::ReferencePixels;
 
 use super::desk::{Desk, Shared};
@@ -15,7 +14,7 @@ use super::error::EditError;
 use super::moving::{Choice, Moving, QUICK, Trial, WHOLE};
 use super::output::Output;
 use super::pace::sized;
-use super::picture::{COMPARED, ClientId, Head, Orientation, Picture, PictureError, Stage};
+use super::picture::{ClientId, Head, Orientation, Picture, PictureError, Stage, compared};
 use super::upsampled::rmse_upsampled;
 
 /// Time without an edit after which the picture is at rest.
@@ -475,8 +474,7 @@ impl Engine {
         if *revision != job.revision {
             return Ok(());
         }
-        let pixels = subgrid(COMPARED, job.view.size);
-        let reference = match ReferencePixels::solve((&job.scene, &job.view), &Model::Canonical, pixels, control) {
+        let reference = match compared((&job.scene, &job.view), control) {
             // No reference is no reason to draw nothing.
             Err(RenderError::Unsupported(_)) => return Ok(()),
             solved => solved?,

@@ -4,15 +4,13 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use serde::Serialize;
-use vr_core::{Frame, Rendered, View};
-use vr_physics::metrics::Metrics;
+use vr_core::{Control, Frame, Model, RenderError, Rendered, Scene, View};
+use vr_physics::Reference;
+use vr_physics::metrics::{Metrics, subgrid};
 use vr_study::error_bound::is_kept;
 use vr_study::reference::ReferencePixels;
 
 use super::navigation::height_at_target;
-
-/// Parts along each side of a picture at rest, of each of which a pixel is compared with the reference: enough for a figure within a second.
-pub(super) const COMPARED: u32 = 24;
 
 /// Number of a client of a session.
 pub type ClientId = u64;
@@ -107,6 +105,19 @@ pub enum PictureError {
         /// RMSE of the pixels that were compared with the reference besides.
         rmse: Option<f64>,
     },
+}
+
+/// Solves the pixels that a picture at rest is compared with: enough for a figure within a second.
+///
+/// # Errors
+/// Those of [`ReferencePixels::solve`].
+pub(super) fn compared((scene, view): (&Scene, &View), control: &Control) -> Result<ReferencePixels, RenderError> {
+    /// Parts along each side of the picture, of each of which a pixel is solved.
+    const PARTS: u32 = 20;
+    /// Tolerance of the reference: a thousandth of the errors of pictures that are no more than quick. Those that are better are proven.
+    const TOLERANCE: f64 = 1e-6;
+    let pixels = subgrid(PARTS, view.size);
+    ReferencePixels::solve_by(&Reference::new(TOLERANCE), (scene, view), &Model::Canonical, pixels, control)
 }
 
 impl PictureError {

@@ -2,12 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 use vr_core::clock::Instant;
-use vr_core::{Control, Model, RenderError, Renderer, Scene, View};
-use vr_physics::metrics::subgrid;
-use vr_study::reference::ReferencePixels;
+use vr_core::{Control, RenderError, Renderer, Scene, View};
 
 use super::edit::Quality;
-use super::picture::{COMPARED, PictureError};
+use super::picture::{PictureError, compared};
 
 /// Setting that draws a second picture.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
@@ -51,8 +49,7 @@ impl SecondPicture {
         let start = Instant::now();
         let rendered = prepared.render(view, control)?;
         let time = start.elapsed();
-        let pixels = subgrid(COMPARED, view.size);
-        let reference = match ReferencePixels::solve((scene, view), &Model::Canonical, pixels, control) {
+        let reference = match compared((scene, view), control) {
             // No reference is no reason to draw nothing.
             Err(RenderError::Unsupported(_)) => None,
             solved => Some(solved?),

@@ -129,7 +129,7 @@ fn a_curtain_shows_a_second_setting_at_rest() {
     browser.wait(there);
     let [first, second] = ["first-label", "second-label"].map(|id| label(&mut browser, id));
     assert!(first.contains("raycast, proven") && first.contains("every pixel within 0.004: proven"), "{first}");
-    assert!(second.contains("raycast, draft") && second.contains("measured on 576 pixels"), "{second}");
+    assert!(second.contains("raycast, draft") && second.contains("measured on 400 pixels"), "{second}");
     assert!(first.contains(" ms") || first.contains(" s\n"), "{first}");
     assert_truth(&mut browser);
     // The pixels behind it are those of a scene with its setting.

@@ -29,7 +29,7 @@ fn a_picture_sharpens_until_it_is_proven() {
         _ => None,
     });
     let PictureError::Measured { rmse, max, pixels, of } = measured else { panic!("{measured:?}") };
-    assert!(rmse > 0.0 && rmse < 2e-3 && max < 0.05 && pixels == 24 * 24 && of == 200 * 150, "{measured:?}");
+    assert!(rmse > 0.0 && rmse < 2e-3 && max < 0.05 && pixels == 20 * 20 && of == 200 * 150, "{measured:?}");
     let proven = watched.picture(Stage::Proven, 0);
     let PictureError::Proven { bound, rmse: Some(rmse) } = proven.head.error else { panic!("{:?}", proven.head) };
     assert!(bound == 4e-3 && rmse < 4e-3);
@@ -307,16 +307,16 @@ fn a_second_picture_is_that_of_a_session_with_its_setting() {
             other.session.apply(1, 3, &Edit::Quality { quality }).unwrap();
         }
         assert!(drawn_anew(&saved(&other)).1 == second.rgba, "{setting:?}");
-        // Its error is measured on as many pixels as that of the first picture, or proven.
+        // Its error is measured on as many pixels as that of the first picture, by a reference within 10⁻⁶, or proven.
         let is_proven = renderer == "raycast" && quality != Some(Quality::Draft);
-        let errors = errors_anew(&other, &vr_physics::metrics::subgrid(24, [100, 60]));
+        let errors = errors_anew(&other, &vr_physics::metrics::subgrid(20, [100, 60]));
         let largest = errors.iter().copied().fold(0.0, f64::max);
         match second.error {
             PictureError::Proven { bound, rmse: Some(rmse) } if is_proven => {
                 assert!(bound == 4e-3 && largest <= bound && rmse <= largest, "{largest} {rmse}");
             }
-            PictureError::Measured { max, pixels: 576, of: 6000, rmse } if !is_proven => {
-                assert!((max - largest).abs() < 1e-12 && rmse < max && max > 0.0, "{max} {largest}");
+            PictureError::Measured { max, pixels: 400, of: 6000, rmse } if !is_proven => {
+                assert!((max - largest).abs() <= 2e-6 && rmse < max && max > 0.0, "{max} {largest}");
             }
             ref error => panic!("{setting:?}: {error:?}"),
         }
