@@ -310,7 +310,7 @@ const MAX_PRODUCT: f32 = 64.0;
 #[inline(always)]
 pub fn power_of<S: Simd>(simd: S, x: f32x16<S>, exponent: f32) -> f32x16<S> {
     if exponent <= MAX_PRODUCT && exponent == exponent.trunc() {
-        // x^p by squares: an eighth of the time.
+        // By squares: a few products in the place of a logarithm and an exponential.
         let (mut power, mut square, mut left) = (splat(simd, 1.0), x, exponent as u32);
         loop {
             if left & 1 == 1 {
