@@ -118,7 +118,7 @@ fn run() -> Result<(), Failure> {
         Command::Help(args) => help::run(args, Cli::command()),
     });
     let done = done.unwrap_or_else(|stopped| Err(Failure::failed(stopped)));
-    // But a server: it would hold one of the threads that draw.
+    // The page's server waits here: on the pool it would hold one of the threads that draw.
     #[cfg(feature = "view")]
     let done = done.and_then(|()| page.map_or(Ok(()), |page| page.serve(&control)));
     done.map_err(|failure| if control.is_cancelled() { failure.cancelled() } else { failure })

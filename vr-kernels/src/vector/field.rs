@@ -200,12 +200,16 @@ pub fn cells<S: Simd>(simd: S, position: [f32x16<S>; 3], last_cell: [i32; 3]) ->
 }
 
 impl<T: Pairs> Field<'_, T> {
+    /// Offsets of the first voxels of sixteen cells.
+    #[inline(always)]
+    pub(super) fn offsets<S: Simd>(&self, [x, y, z]: [i32x16<S>; 3]) -> i32x16<S> {
+        z * self.stride[1] as i32 + y * self.stride[0] as i32 + x
+    }
+
     /// Loads the voxels around sixteen places into a stage.
     #[inline(always)]
-    pub fn fetch<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Stage<T>) {
-        let row = i32x16::splat(simd, self.stride[0] as i32);
-        let slice = i32x16::splat(simd, self.stride[1] as i32);
-        let offset = (at.cell[2] * slice + at.cell[1] * row + at.cell[0]).to_array();
+    pub fn fetch<S: Simd>(&self, _: S, at: &Cells<S>, stage: &mut Stage<T>) {
+        let offset = self.offsets(at.cell).to_array();
         let [r0, r1, r2, r3] = self.rows;
         // Equally long, and said so: one check serves the four.
         let len = r0.len();
@@ -248,11 +252,7 @@ impl<T: Pairs> Field<'_, T> {
         let (zero, one, half) = (i32x16::splat(simd, 0), i32x16::splat(simd, 1), splat(simd, 0.5));
         let [x, y, z] = at.fraction;
         let (x, y, z) = (x.simd_ge(half), y.simd_ge(half), z.simd_ge(half));
-        let offset = (at.cell[2] * self.stride[1] as i32
-            + at.cell[1] * self.stride[0] as i32
-            + at.cell[0]
-            + x.select(one, zero))
-        .to_array();
+        let offset = (self.offsets(at.cell) + x.select(one, zero)).to_array();
         let row = (y.select(one, zero) + z.select(one + one, zero)).to_array();
         let mut values = [0.0; LANES];
         for i in 0..LANES {

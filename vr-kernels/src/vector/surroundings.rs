@@ -60,7 +60,7 @@ impl<T: Pairs> Field<'_, T> {
         let row = i32x16::splat(simd, self.stride[0] as i32);
         let slice = i32x16::splat(simd, self.stride[1] as i32);
         let last = |axis: usize| i32x16::splat(simd, self.last_cell[axis]);
-        let at = z * slice + y * row + x;
+        let at = self.offsets([x, y, z]);
         // Rows of four begin a voxel before the cell; at the first and the last cell of a row they are the row's own first and last four, to be moved.
         let (first, end) = (x.simd_le(zero), x.simd_ge(last(0)));
         let start = at - first.select(zero, end.select(one + one, one));
@@ -69,8 +69,6 @@ impl<T: Pairs> Field<'_, T> {
         let behind_y = at + y.simd_lt(last(1)).select(row, zero);
         let before_z = at - z.simd_gt(zero).select(slice, zero);
         let behind_z = at + z.simd_lt(last(2)).select(slice, zero);
-        let [before_y, behind_y] = [before_y.to_array(), behind_y.to_array()];
-        let [before_z, behind_z] = [before_z.to_array(), behind_z.to_array()];
         let [r0, r1, r2, r3] = self.rows;
         // Equally long, and said so: one check serves all.
         let len = r0.len();
@@ -107,21 +105,22 @@ impl<T: Pairs> Field<'_, T> {
                 }
             }
         }
-        let [[s0, s1], [s2, s3], [s4, s5], [s6, s7]] = &mut around.beyond;
-        for i in 0..LANES {
-            let o = before_y[i] as u32 as usize;
-            s0[i].copy_from_slice(&r0[o..o + 2]);
-            s1[i].copy_from_slice(&r2[o..o + 2]);
-            let o = behind_y[i] as u32 as usize;
-            s2[i].copy_from_slice(&r1[o..o + 2]);
-            s3[i].copy_from_slice(&r3[o..o + 2]);
-            let o = before_z[i] as u32 as usize;
-            s4[i].copy_from_slice(&r0[o..o + 2]);
-            s5[i].copy_from_slice(&r1[o..o + 2]);
-            let o = behind_z[i] as u32 as usize;
-            s6[i].copy_from_slice(&r2[o..o + 2]);
-            s7[i].copy_from_slice(&r3[o..o + 2]);
-        }
+        let [a, b, c, d] = &mut around.beyond;
+        pairs([r0, r2], before_y.to_array(), a);
+        pairs([r1, r3], behind_y.to_array(), b);
+        pairs([r0, r1], before_z.to_array(), c);
+        pairs([r2, r3], behind_z.to_array(), d);
+    }
+}
+
+/// Loads pairs of x-neighbours from two rows, which are equally long.
+#[inline(always)]
+fn pairs<T: Copy>([a, b]: [&[T]; 2], at: [i32; LANES], [to_a, to_b]: &mut TwoRows<T>) {
+    let b = &b[..a.len()];
+    for i in 0..LANES {
+        let o = at[i] as u32 as usize;
+        to_a[i].copy_from_slice(&a[o..o + 2]);
+        to_b[i].copy_from_slice(&b[o..o + 2]);
     }
 }
 

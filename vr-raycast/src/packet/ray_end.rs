@@ -1,4 +1,4 @@
-//! Where the rays of packets end.
+//! Limits at which the rays of a packet end early.
 
 use vr_core::{Compositing, Scene};
 

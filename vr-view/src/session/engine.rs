@@ -474,11 +474,7 @@ impl Engine {
         if *revision != job.revision {
             return Ok(());
         }
-        let reference = match compared((&job.scene, &job.view), control) {
-            // No reference is no reason to draw nothing.
-            Err(RenderError::Unsupported(_)) => return Ok(()),
-            solved => solved?,
-        };
+        let Some(reference) = compared((&job.scene, &job.view), control)? else { return Ok(()) };
         (self.shared.tell)(Output::Error { picture: *picture, error: PictureError::measured(&reference, frame) });
         self.sharp_rmse = Some(reference.judge(frame).rmse);
         self.reference = Some((job.revision, reference));

@@ -107,17 +107,23 @@ pub enum PictureError {
     },
 }
 
-/// Solves the pixels that a picture at rest is compared with: enough for a figure within a second.
+/// Solves the pixels that a picture at rest is compared with: few enough that it takes a second at most. `None` for scenes without a reference, which are drawn all the same.
 ///
 /// # Errors
-/// Those of [`ReferencePixels::solve`].
-pub(super) fn compared((scene, view): (&Scene, &View), control: &Control) -> Result<ReferencePixels, RenderError> {
+/// Those of [`ReferencePixels::solve`], but [`RenderError::Unsupported`].
+pub(super) fn compared(
+    (scene, view): (&Scene, &View),
+    control: &Control,
+) -> Result<Option<ReferencePixels>, RenderError> {
     /// Parts along each side of the picture, of each of which a pixel is solved.
     const PARTS: u32 = 20;
-    /// Tolerance of the reference: a thousandth of the errors of pictures that are no more than quick. Those that are better are proven.
+    /// Tolerance of the reference, a thousandth of the error that pictures at rest aim at.
     const TOLERANCE: f64 = 1e-6;
     let pixels = subgrid(PARTS, view.size);
-    ReferencePixels::solve_by(&Reference::new(TOLERANCE), (scene, view), &Model::Canonical, pixels, control)
+    match ReferencePixels::solve_by(&Reference::new(TOLERANCE), (scene, view), &Model::Canonical, pixels, control) {
+        Err(RenderError::Unsupported(_)) => Ok(None),
+        solved => solved.map(Some),
+    }
 }
 
 impl PictureError {

@@ -49,11 +49,7 @@ impl SecondPicture {
         let start = Instant::now();
         let rendered = prepared.render(view, control)?;
         let time = start.elapsed();
-        let reference = match compared((scene, view), control) {
-            // No reference is no reason to draw nothing.
-            Err(RenderError::Unsupported(_)) => None,
-            solved => Some(solved?),
-        };
+        let reference = compared((scene, view), control)?;
         let error = match bound {
             Some(bound) => PictureError::under_bound(bound, &rendered, reference.as_ref()),
             None => {

@@ -163,13 +163,12 @@ fn an_hour_in_little_leaves_pictures_right() {
     assert!(done > 250 && last == 400, "{done} edits were made");
 }
 
-/// Error of pixels of the saved scene, drawn anew, against the reference: independent of any error map.
-fn errors_anew(watched: &Watched, pixels: &[[u32; 2]]) -> Vec<f64> {
+/// Error of pixels of the saved scene, drawn anew, against a reference: independent of any error map.
+fn errors_anew(watched: &Watched, reference: &Reference, pixels: &[[u32; 2]]) -> Vec<f64> {
     let text = String::from_utf8(watched.session.export(Export::Scene).unwrap()).unwrap();
     let (loaded, frame) = frame_anew(&text);
     let control = Control::default();
-    let solution =
-        Reference::default().solve_pixels(&loaded.scene, &loaded.view, &Model::Canonical, pixels, &control).unwrap();
+    let solution = reference.solve_pixels(&loaded.scene, &loaded.view, &Model::Canonical, pixels, &control).unwrap();
     let error = |(&[x, y], pixel): (&[u32; 2], &vr_physics::Pixel)| {
         (0..4).map(|c| (f64::from(frame.pixel(x, y)[c]) - pixel.rgba[c]).abs()).fold(0.0, f64::max)
     };
@@ -186,7 +185,7 @@ fn an_error_map_tells_the_errors_of_the_picture_at_rest() {
         assert_eq!((map.size, map.parts, map.pixels.len()), ([100, 50], [64, 50], 64 * 50));
         assert_eq!(map.renderer, "raycast");
         // Each error is that of its pixel, and has its colour.
-        let errors = errors_anew(&watched, &map.pixels);
+        let errors = errors_anew(&watched, &Reference::default(), &map.pixels);
         for (i, (&error, told)) in errors.iter().zip(&map.errors).enumerate() {
             let told = told.expect("this reference has no noise");
             assert!((told - error).abs() < 1e-12, "{i}: {told} {error}");
@@ -309,14 +308,14 @@ fn a_second_picture_is_that_of_a_session_with_its_setting() {
         assert!(drawn_anew(&saved(&other)).1 == second.rgba, "{setting:?}");
         // Its error is measured on as many pixels as that of the first picture, by a reference within 10⁻⁶, or proven.
         let is_proven = renderer == "raycast" && quality != Some(Quality::Draft);
-        let errors = errors_anew(&other, &vr_physics::metrics::subgrid(20, [100, 60]));
+        let errors = errors_anew(&other, &Reference::new(1e-6), &vr_physics::metrics::subgrid(20, [100, 60]));
         let largest = errors.iter().copied().fold(0.0, f64::max);
         match second.error {
             PictureError::Proven { bound, rmse: Some(rmse) } if is_proven => {
                 assert!(bound == 4e-3 && largest <= bound && rmse <= largest, "{largest} {rmse}");
             }
             PictureError::Measured { max, pixels: 400, of: 6000, rmse } if !is_proven => {
-                assert!((max - largest).abs() <= 2e-6 && rmse < max && max > 0.0, "{max} {largest}");
+                assert!((max - largest).abs() < 1e-12 && rmse < max && max > 0.0, "{max} {largest}");
             }
             ref error => panic!("{setting:?}: {error:?}"),
         }

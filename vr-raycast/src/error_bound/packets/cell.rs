@@ -49,7 +49,7 @@ impl<S: Simd> Way<S> {
     }
 }
 
-/// Way through the cell that lies ahead, or a part of it, before the samples of that are used.
+/// Cells that rays are about to go through, whose samples are fetched and not used yet.
 pub(super) struct Entry<S: Simd> {
     at: f32x16<S>,
     pub(super) to: f32x16<S>,
@@ -71,8 +71,8 @@ pub(super) struct Ahead<S: Simd> {
 }
 
 impl<S: Simd> Entry<S> {
-    /// Enters cells at places `at`, and fetches their samples. Ways end with the cell, but not beyond a limit. One that is `fresh` has no length, so that its ray learns where it is;
-    /// so has one that is not active.
+    /// Finds the cells at places `at`, and fetches their samples. Rays go to the end of their cells, but not beyond a limit. One that is `fresh` stays where it is, to learn the value there first;
+    /// one that is not active stays, too.
     #[inline(always)]
     pub(super) fn new<T: Pairs>(
         simd: S,

@@ -42,6 +42,9 @@ const MAX_BINS: f64 = 8192.0;
 /// Clearness 1 − α below which a medium counts as a wall: κ is 14 per unit distance there.
 const NEARLY_A_WALL: f64 = 1e-6;
 
+/// Medium at sixteen places: colour and extinction, and how the latter changes with the value.
+pub(super) type Here<S> = [f32x16<S>; 5];
+
 /// Bounds on how the medium changes over the values of a step.
 pub(super) struct Changes<S: Simd> {
     /// Largest L.
@@ -110,9 +113,9 @@ impl CostTable {
         ((value - self.origin) * self.per_unit).max(splat(simd, 0.0)).min(splat(simd, last))
     }
 
-    /// Returns the colour and the extinction of sixteen values, and how they change with the value.
+    /// Returns the medium at sixteen values, and how the colours change with the value.
     #[inline(always)]
-    pub(super) fn medium<S: Simd>(&self, simd: S, value: f32x16<S>) -> [[f32x16<S>; 4]; 2] {
+    pub(super) fn medium<S: Simd>(&self, simd: S, value: f32x16<S>) -> (Here<S>, [f32x16<S>; 3]) {
         let x = self.place(simd, value);
         let index = x.to_int::<i32x16<S>>().min(i32x16::splat(simd, self.optics.len() as i32 - 1));
         let t = x - index.to_float::<f32x16<S>>();
@@ -126,9 +129,15 @@ impl CostTable {
         }
         let (low, high) = (transpose(low), transpose(high));
         let change = [high[0] - low[0], high[1] - low[1], high[2] - low[2], high[3] - low[3]];
-        let medium = [low[0] + t * change[0], low[1] + t * change[1], low[2] + t * change[2], low[3] + t * change[3]];
         let per_unit = self.per_unit;
-        [medium, [change[0] * per_unit, change[1] * per_unit, change[2] * per_unit, change[3] * per_unit]]
+        let medium = [
+            low[0] + t * change[0],
+            low[1] + t * change[1],
+            low[2] + t * change[2],
+            low[3] + t * change[3],
+            change[3] * per_unit,
+        ];
+        (medium, [change[0] * per_unit, change[1] * per_unit, change[2] * per_unit])
     }
 
     /// Returns how the medium changes over sixteen ranges of values.

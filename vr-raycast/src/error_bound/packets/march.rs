@@ -7,8 +7,8 @@ use vr_kernels::vector::{Field, LANES, Lanes, PacketLights, Pairs, Stage, Sums, 
 use super::cell::{Ahead, Entry, Way};
 use super::clear_blocks::ClearBlocks;
 use super::color_change::{ColorChange, PacketReflection, Places};
-use super::cost_table::CostTable;
-use super::step::{Absorption, Doubt, Here, Step};
+use super::cost_table::{CostTable, Here};
+use super::step::{Absorption, Doubt, Step};
 use super::stretch::{STEPS, Stretch};
 
 /// Medium that the rays of a frame go through.
@@ -65,7 +65,7 @@ const AIMS: [f32; 2] = [0.8, 0.4];
 /// Largest number of rounds of a packet; rays that are not done then have no bound here.
 const MAX_ROUNDS: u32 = 1 << 13;
 
-/// Number of rounds after which the last rays of a packet are left to the cell-by-cell integrator, where steps cost much: that takes as long for a ray as some 3000 of these rounds.
+/// Number of rounds after which the last rays of a packet are left to the cell-by-cell integrator, where they reflect light. It takes about as long for a ray as 3000 of these rounds do.
 const MANY_ROUNDS: u32 = 1 << 12;
 
 /// Numbers of rounds in which steps are taken one by one when a stretch has cost more than its share: after one that did not, and at most.

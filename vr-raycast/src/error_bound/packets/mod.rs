@@ -160,11 +160,11 @@ impl<T: Pairs> Vectorized for Trace<'_, T> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> u32 {
-        let mut stages = [Stage::default(), Stage::default()];
         let seeing = self.view.near.at_spots(self.spots);
         let Some((packet, begin)) = seeing.map(|nearest| self.packet(&nearest)).filter(|(p, _)| p.hits != 0) else {
             return 0;
         };
+        let mut stages = [Stage::default(), Stage::default()];
         let Marched { rgba, half, kept, ended, samples } = march(simd, self.medium, &packet, &mut stages);
         self.counts.rays += u64::from(kept.count_ones());
         self.counts.samples += u64::from(samples);

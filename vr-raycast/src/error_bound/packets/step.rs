@@ -5,7 +5,7 @@ use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_kernels::vector::{opacity_of_depth, pick, source_weight, splat};
 
 use super::color_change::{ColorChange, load};
-use super::cost_table::{Changes, CostTable};
+use super::cost_table::{Changes, CostTable, Here};
 
 /// Course of the field over a step: a line from the first value to the last, a parabola on it through the middle one, and a cubic that is 0 at both ends and in the
 /// middle.
@@ -18,18 +18,15 @@ pub(super) struct Course<S: Simd> {
     pub(super) unsure: f32x16<S>,
 }
 
-/// Medium at sixteen places: colour and extinction, and how the latter changes with the value.
-pub(super) type Here<S> = [f32x16<S>; 5];
-
 /// Absorption along sixteen steps.
 pub(super) struct Absorption<S: Simd> {
     pub(super) length: f32x16<S>,
     /// Optical depth, and opacity.
     pub(super) tau: f32x16<S>,
     pub(super) opacity: f32x16<S>,
-    /// Medium at the end, and how it changes with the value there.
+    /// Medium at the end, and how colours change with the value there.
     pub(super) there: Here<S>,
-    slopes: [f32x16<S>; 4],
+    color_slopes: [f32x16<S>; 3],
     /// Change of the optical depth along the step, as if it were that of the begin and that of the end throughout.
     change: f32x16<S>,
 }
@@ -101,22 +98,21 @@ impl<S: Simd> Absorption<S> {
     /// Absorbs along steps of a length from places with the medium `here`; the README beside this folder derives each bound.
     #[inline(always)]
     pub(super) fn new(simd: S, costs: &CostTable, here: &Here<S>, course: &Course<S>, length: f32x16<S>) -> Self {
-        let [[r, g, b, kappa], slopes] = costs.medium(simd, course.values[2]);
-        let there = [r, g, b, kappa, slopes[3]];
-        // The chord of κ, less half of what κ may be below it if its slope only rises; and the parabola.
+        let (there, color_slopes) = costs.medium(simd, course.values[2]);
+        // The chord of κ, the middle of how far κ may lie beside it, and the parabola.
         let rise = course.values[2] - course.values[0];
         let bent = (there[4] - here[4]) * rise * (1.0 / 16.0);
         let bowed = (here[4] + there[4]) * course.bow() * (1.0 / 3.0);
         let tau = ((here[3] + there[3]) * 0.5 - bent + bowed).max(splat(simd, 0.0)) * length;
         let change = (there[3] - here[3]) * length;
-        Self { length, tau, opacity: opacity_of_depth(simd, tau), there, slopes, change }
+        Self { length, tau, opacity: opacity_of_depth(simd, tau), there, color_slopes, change }
     }
 
     /// Largest change of a colour with the value, and that of κ.
     #[inline(always)]
     pub(super) fn steepness(&self) -> [f32x16<S>; 2] {
-        let [r, g, b, kappa] = self.slopes;
-        [r.abs().max(g.abs()).max(b.abs()), kappa.abs()]
+        let [r, g, b] = self.color_slopes;
+        [r.abs().max(g.abs()).max(b.abs()), self.there[4].abs()]
     }
 
     /// Change of the optical depth along the step.
@@ -135,7 +131,7 @@ impl<S: Simd> Absorption<S> {
         color_change: Option<&ColorChange>,
     ) -> Emission<S> {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let Self { tau, opacity, there, slopes, .. } = *self;
+        let Self { tau, opacity, there, color_slopes, .. } = *self;
         let weight = source_weight(simd, tau, opacity);
         let behind = ((weight - (one - opacity)) + self.change * (1.0 / 12.0) * weight).max(zero).min(opacity);
         let mut emission = Emission {
@@ -147,7 +143,7 @@ impl<S: Simd> Absorption<S> {
             unlit: zero,
         };
         for c in 0..3 {
-            let (mut ends, mut bulge) = ([here[c], there[c]], slopes[c] * bow);
+            let (mut ends, mut bulge) = ([here[c], there[c]], color_slopes[c] * bow);
             if let Some(change) = color_change {
                 let factor = load(simd, &change.factor[c]);
                 let added = load(simd, &change.added[c]);
@@ -168,8 +164,8 @@ impl<S: Simd> Absorption<S> {
 }
 
 impl<S: Simd> Doubt<S> {
-    /// Bounds what is missed along lengths whose values lie in a range, in steps over which they change by `span` at most, beside a line by `beside` at most; `outside`: by how much at most
-    /// where they may leave the range between the ends of a step, 0 where they do not.
+    /// Bounds what is missed along lengths whose values lie in a range, in steps over which they change by `span` at most and lie beside a line by `beside` at most; `outside` is the same for
+    /// those steps alone that may leave the range between the values at their ends, 0 where none does.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
@@ -296,8 +292,7 @@ mod tests {
                 let simd = baseline();
                 let step = {
                     let at = |x: f64| splat(simd, x as f32);
-                    let [[r, g, b, kappa], slopes] = costs.medium(simd, at(f(0.0)));
-                    let here = [r, g, b, kappa, slopes[3]];
+                    let (here, _) = costs.medium(simd, at(f(0.0)));
                     let course = Course {
                         values: [at(f(0.0)), at(f(0.5)), at(f(1.0))],
                         cubic: at(cubic.abs() * 0.0482 * f64::from(factor)),

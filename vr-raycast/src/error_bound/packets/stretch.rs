@@ -5,8 +5,9 @@ use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_kernels::vector::{Pairs, Stage, splat};
 
 use super::cell::{Entry, Way};
+use super::cost_table::Here;
 use super::march::Medium;
-use super::step::{Absorption, Doubt, Here, missed_order};
+use super::step::{Absorption, Doubt, missed_order};
 
 /// Number of steps in a stretch, each of which goes through one cell.
 pub(super) const STEPS: u32 = 4;
