@@ -6,12 +6,14 @@ use vr_core::{
 };
 
 use crate::capabilities::{check, check_view};
-use crate::caster::{EmptySpace, Precision, RayCaster, Rule, Step, Traversal};
+use crate::caster::{EmptySpace, ImageSampling, Precision, RayCaster, Rule, Step, Traversal};
 use crate::engine::Engine;
 use crate::error_bound::BoundedRays;
 use crate::leap::visibility;
 use crate::pace::Pace;
-use crate::packet::{LabelFrame, PacketFrame, PatchFrame, PatchPickFrame, PickFrame, PointFrame, PointPickFrame};
+use crate::packet::{
+    Choice, LabelFrame, PacketFrame, PatchFrame, PatchPickFrame, PickFrame, PointFrame, PointPickFrame, Trial,
+};
 use crate::pipeline::Pipeline;
 use crate::place_colors::PlaceColors;
 use crate::polled_tracer::PolledTracer;
@@ -37,6 +39,8 @@ pub(crate) struct PreparedCaster {
     pub(crate) engine: Engine,
     /// Parts of a grid that adaptive rays may miss; found when the first picture asks for them.
     thin_parts: Option<ThinParts>,
+    /// Choice of steps and rays, where they are left to the caster and can be chosen for each picture: made when the first large picture asks for it.
+    trial: Option<Option<Trial>>,
     /// State that the coherent screens keep from picture to picture.
     #[cfg(feature = "classics")]
     pub(crate) coherence: Option<crate::classics::Coherence>,
@@ -76,6 +80,7 @@ impl PreparedCaster {
             filtered,
             engine,
             thin_parts: None,
+            trial: None,
         })
     }
 }
@@ -89,6 +94,7 @@ impl Prepared for PreparedCaster {
             self.coherence =
                 control.run(|| crate::classics::Coherence::of(&caster, &scene, source.grid()?, &self.engine));
         }
+        self.trial = None;
         (self.caster, self.scene, self.source, self.filtered) = (caster, scene, source, filtered);
         self.thin_parts = None;
         Ok(())
@@ -102,12 +108,23 @@ impl Prepared for PreparedCaster {
         if let Some(drawn) = self.draw_by_classic_screen((view, layer), control) {
             return drawn;
         }
-        let threshold = self.caster.adaptive_threshold(view.size.map(u64::from).iter().product());
+        let pixels = view.size.map(u64::from).iter().product();
+        let mut threshold = self.caster.adaptive_threshold(pixels);
+        let choice = if pixels < ImageSampling::LARGE { None } else { self.choose((view, layer), threshold, control)? };
+        let leaves_rays_out = choice.as_ref().is_none_or(|choice| !choice.every_pixel);
+        if !leaves_rays_out && self.asked.image_sampling == ImageSampling::Auto {
+            threshold = None;
+        }
         if let (Some(_), None, Some(volume)) = (threshold, &self.thin_parts, self.source.grid()) {
             self.thin_parts = Some(control.run(|| ThinParts::new(&self.scene, volume)));
         }
         let rays = threshold.map(|threshold| (threshold, self.thin_parts.as_ref()));
-        screen::draw(rays, self.tracer((view, layer))?.as_ref(), (view, layer), control)
+        let even = choice.and_then(|choice| choice.even);
+        let tracer = match &even {
+            Some(engine) => self.polled(Box::new(PacketFrame::new(engine, &engine.volume, (view, layer))?)),
+            None => self.tracer((view, layer))?,
+        };
+        screen::draw(rays, tracer.as_ref(), (view, layer), control)
     }
 
     fn model(&self, _: &View) -> Result<Model, RenderError> {
@@ -149,6 +166,24 @@ impl Prepared for PreparedCaster {
 }
 
 impl PreparedCaster {
+    /// Returns steps and rays for a view, where they are left to the caster and a few rays tell enough; `threshold` is that of adaptive rays.
+    fn choose(
+        &mut self,
+        seen: (&View, Option<&Layer>),
+        threshold: Option<f64>,
+        control: &Control,
+    ) -> Result<Option<Choice>, RenderError> {
+        let Self { asked, caster, scene, engine, trial, .. } = self;
+        let ((Step::Auto, Rule::Auto), Step::Local { error }, Engine::Packets(local, _)) =
+            ((asked.step, asked.rule), caster.step, &*engine)
+        else {
+            return Ok(None);
+        };
+        let trial = trial.get_or_insert_with(|| Trial::new(local, scene, caster.rule, error));
+        let adaptive = (screen::COARSE, threshold.unwrap_or(f64::INFINITY));
+        trial.as_mut().map_or(Ok(None), |trial| trial.choose((local, scene), seen, adaptive, control))
+    }
+
     /// Returns the engine with a view and the surfaces in it.
     pub(crate) fn tracer<'a>(
         &'a self,
@@ -189,7 +224,12 @@ impl PreparedCaster {
                 })
             }
         };
-        Ok(Box::new(PolledTracer::new(tracer, self.max_steps())))
+        Ok(self.polled(tracer))
+    }
+
+    /// Returns a tracer that looks at the cancel flag between a few of its rays and the next.
+    fn polled<'a>(&self, tracer: Box<dyn Tracer + 'a>) -> Box<dyn Tracer + 'a> {
+        Box::new(PolledTracer::new(tracer, self.max_steps()))
     }
 
     /// Number of steps that a ray takes at most, about: from corner to corner in the shortest ones.

@@ -51,7 +51,7 @@ pub(crate) struct PacketEngine {
     /// Table for steps of any length, in units of `step`.
     optics: OpticsTable,
     /// Length of a step in world units; with steps that follow the data, the unit of their lengths.
-    step: f64,
+    pub(super) step: f64,
     /// Place of a step's sample, as a fraction of the step.
     offset: f64,
     /// True if normals are followed over a step: its middle stands for it.
@@ -69,7 +69,7 @@ pub(crate) struct PacketEngine {
 #[derive(Clone, Debug)]
 pub(crate) enum PacketLengths {
     /// One length. With the distances to the nearest visible blocks; `None` if nothing is leaped over.
-    Lattice(Option<Distances>),
+    Lattice(Option<Arc<Distances>>),
     /// The length that each place asks for.
     Local {
         map: Arc<StepMap>,
@@ -114,7 +114,7 @@ impl PacketLengths {
 
     /// Returns the distances to the nearest visible blocks, where steps of one length leap over others.
     fn distances(&self) -> Option<&Distances> {
-        if let Self::Lattice(distances) = self { distances.as_ref() } else { None }
+        if let Self::Lattice(distances) = self { distances.as_deref() } else { None }
     }
 
     /// Returns the steps that follow the data as packets take them, where `unit` is the world length of the smallest voxel edge; `None` if all have one length.
@@ -184,7 +184,9 @@ impl PacketEngine {
             (Step::Uniform(_), _) => {
                 let baked = integrated.is_none().then_some(&table);
                 let visibility = || Visibility::of_light(&scene.transfer, volume.calibration(), baked, integrated);
-                PacketLengths::Lattice(leaps.then(|| Self::distances(volume, &visibility(), EDGE)).flatten())
+                PacketLengths::Lattice(
+                    leaps.then(|| Self::distances(volume, &visibility(), EDGE)).flatten().map(Arc::new),
+                )
             }
             // Local steps by the rule left are the plain engine's.
             (Step::Local { .. }, Some(map)) if caster.rule != Rule::Left => {
@@ -219,6 +221,22 @@ impl PacketEngine {
             shading,
             gradient,
             colors: scene.volume.colors().cloned(),
+        })
+    }
+
+    /// Returns the engine that draws the same scene in steps of one length, in smallest voxel edges, with one sample each; `None` where no table serves
+    /// such steps. `distances` are those to the nearest visible blocks.
+    pub(crate) fn in_even_steps(&self, scene: &Scene, distances: Option<Arc<Distances>>, voxels: f64) -> Option<Self> {
+        let volume = &self.volume;
+        let step = voxels * volume.placement().spacing().min_element();
+        let table = baked(scene, volume, step)?;
+        Some(Self {
+            lengths: PacketLengths::Lattice(distances),
+            optics: OpticsTable::new(&table, &scene.transfer, volume.calibration(), step),
+            light: StepLight::Sample(Arc::new(table)),
+            step,
+            offset: 0.5,
+            ..self.clone()
         })
     }
 

@@ -8,6 +8,7 @@ use vr_kernels::vector::{Cells, LANES, pick, splat};
 
 use super::setup::Packet;
 use crate::leap::{Visibility, VisibleBlocks, chessboard_distances};
+use crate::step_map::{CLEAR, StepMap};
 
 /// Chessboard distance of each block, in blocks, to the nearest one in which something is visible: 0 in that one.
 ///
@@ -46,6 +47,14 @@ impl Distances {
         let of = |&[low, high]: &[u8; 2]| table[usize::from(low) * N + usize::from(high)];
         let distance = levels.ranges().par_iter().with_min_len(1 << 12).map(of).collect();
         Self::spread(LevelRanges::EDGE, levels.blocks(), distance)
+    }
+
+    /// Takes the distances from a map of steps, which knows them.
+    pub(crate) fn of_steps(map: &StepMap) -> Option<Self> {
+        let of = |&byte: &u8| if byte < CLEAR { 0 } else { byte - CLEAR + 1 };
+        let distance: Vec<u8> = map.bytes().iter().map(of).collect();
+        let leaps = distance.iter().any(|&d| d > 0);
+        leaps.then(|| Self { shift: StepMap::EDGE.trailing_zeros(), blocks: map.blocks(), distance })
     }
 
     /// Makes the distances of blocks that are 0 where something is visible, and 255 elsewhere.

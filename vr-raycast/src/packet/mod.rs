@@ -53,6 +53,7 @@ mod segments;
 mod setup;
 mod shading;
 mod trace;
+mod trial;
 
 pub(crate) use engine::{PacketEngine, PacketFrame};
 pub(crate) use labels::{LabelEngine, LabelFrame};
@@ -60,3 +61,4 @@ pub(crate) use patches::{PatchEngine, PatchFrame, PatchPickEngine, PatchPickFram
 pub(crate) use picks::{PickEngine, PickFrame};
 pub(crate) use points::{PointEngine, PointFrame, PointPickEngine, PointPickFrame};
 pub(crate) use setup::FrameSetup;
+pub(crate) use trial::{Choice, Trial};

@@ -11,6 +11,7 @@ use vr_core::{Control, Layer, RenderError, Rendered, View};
 
 use crate::thin_parts::ThinParts;
 use crate::tracer::Tracer;
+pub(crate) use adaptive::COARSE;
 use adaptive::adaptive;
 use every_pixel::every_pixel;
 

@@ -4,7 +4,9 @@ use proptest::prelude::*;
 use vr_core::{ColorGrid, Control, GridVolume, RenderError, Renderer, Scene, Volume};
 use vr_physics::check::TestScene;
 use vr_physics::check::strategies::{Kind, point_scene};
-use vr_raycast::{RayCaster, Rule, Step, Vector};
+use vr_raycast::{ImageSampling, RayCaster, Rule, Step, Vector};
+
+use crate::common::{oblique, phantom_scenes, render};
 
 /// One of each loop over steps, of each rule, and of what is proven.
 fn casters() -> Vec<RayCaster> {
@@ -48,6 +50,21 @@ fn colored(test: TestScene) -> Option<TestScene> {
     let channel = |prime: usize| (0..count).map(|i| (i * prime % 65_536) as u16).collect();
     let colors = ColorGrid::new(grid.clone(), [7919, 104_729, 15_485].map(channel)).ok()?;
     Some(TestScene { scene: Scene { volume: Volume::Color(colors.into()), ..test.scene }, view: test.view })
+}
+
+#[test]
+fn no_bit_of_a_large_picture_depends_on_instructions_or_threads() {
+    // In these, a few rays choose the length of steps.
+    let size = 1 << (ImageSampling::LARGE.ilog2() / 2);
+    for (name, scene) in phantom_scenes(24) {
+        let view = oblique(&scene, size);
+        let [best, avx2, baseline] = [Vector::Auto, Vector::Avx2, Vector::Baseline]
+            .map(|vector| render(&RayCaster { vector, ..RayCaster::default() }, &scene, &view).frame);
+        assert!(best == avx2 && best == baseline, "{name}");
+        let control = Control::default().with_threads(3);
+        let mut prepared = RayCaster::default().prepare(&scene, &control).unwrap();
+        assert!(best == prepared.render(&view, &control).unwrap().frame, "{name}");
+    }
 }
 
 #[test]

@@ -60,6 +60,34 @@ fn qualities_come_near_the_error_they_aim_at() {
     }
 }
 
+#[test]
+fn large_pictures_come_near_the_error_they_aim_at() {
+    // In these, a few rays choose the length of steps.
+    let size = 1 << (ImageSampling::LARGE.ilog2() / 2);
+    for (name, scene) in sharp_scenes().into_iter().chain(phantom_scenes(40)) {
+        let view = oblique(&scene, size);
+        let proven = RayCaster { step: Step::ErrorBound(5e-5), ..RayCaster::default() };
+        let truth = render(&proven, &scene, &view).frame;
+        for quality in Quality::ALL {
+            let picture = render(&RayCaster { quality, ..RayCaster::default() }, &scene, &view);
+            let local = RayCaster { step: Step::Local { error: quality.error() }, ..RayCaster::default() };
+            let local = render(&local, &scene, &view);
+            let errors = [&picture, &local].map(|picture| rms(&picture.frame, &truth));
+            let counts = [&picture, &local].map(|picture| picture.stats.counts);
+            println!(
+                "{name}, {}: {:.1e} ({:.1e} by local steps), {:?} samples",
+                quality.name(),
+                errors[0],
+                errors[1],
+                counts.map(|c| c.samples)
+            );
+            // Aimed at, not promised: within a factor of two, or of what local steps make.
+            let allowed = (2.0 * quality.error()).max(1.1 * errors[1]);
+            assert!(errors[0] <= allowed, "{name}, {}: {}", quality.name(), errors[0]);
+        }
+    }
+}
+
 /// Asserts that two casters draw a view alike, bit for bit.
 #[track_caller]
 fn assert_alike(casters: [&RayCaster; 2], (scene, view): (&Scene, &View), what: &str) {

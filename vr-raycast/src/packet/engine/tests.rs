@@ -29,7 +29,7 @@ fn set_edge(engine: &mut PacketEngine, scene: &Scene, edge: Option<usize>) {
         StepLight::Course { table, .. } => (None, Some(table.pre_integrated())),
     };
     let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), baked, integrated);
-    *distances = edge.and_then(|edge| PacketEngine::distances(volume, &visibility, edge));
+    *distances = edge.and_then(|edge| PacketEngine::distances(volume, &visibility, edge)).map(Arc::new);
 }
 
 fn trace(

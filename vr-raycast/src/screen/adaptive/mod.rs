@@ -14,7 +14,7 @@ use cells::Cells;
 /// Distance of the first rays in pixels, which is also that of the tiles of [`ThinParts`]. A detail that is smaller and lies between them is found by these
 /// alone. With 8 instead, 3 % of
 /// the pixels' rays were saved at most, and more was missed.
-const COARSE: usize = 4;
+pub(crate) const COARSE: usize = 4;
 
 /// Part of the cells in which something shows, above which those that are refined are traced whole.
 const MOSTLY: f64 = 0.9;
