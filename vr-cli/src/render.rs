@@ -54,7 +54,7 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     // Draw the picture.
     let cache = exact_cache::open(&args.cache, console);
     let drawn = match args.target.target_rmse {
-        Some(target) => target::draw(target, &args.renderer, &setup, &cache, console, control)?,
+        Some(target) => target::draw((target, args.target.search), &args.renderer, &setup, &cache, console, control)?,
         None => draw(&args.renderer, &setup, console, control)?,
     };
     let frame = &drawn.frame;

@@ -31,7 +31,7 @@ pub fn run(args: &SceneFileArgs, console: Console, control: &Control) -> Result<
     let stated = match args.target.target_rmse {
         Some(target) => {
             let cache = exact_cache::open(&args.cache, console);
-            target::draw(target, &args.renderer, &setup, &cache, console, control)?.stated
+            target::draw((target, args.target.search), &args.renderer, &setup, &cache, console, control)?.stated
         }
         None => setup.renderer(&args.renderer, console)?.stated,
     };

@@ -3,7 +3,9 @@
 use serde::Serialize;
 use vr_core::{Control, MIN_MAX_ERROR, Options, StudiedRenderer};
 use vr_study::candidate::candidates;
-use vr_study::choose::{BoundedRenderer, CONFIDENCE, Choice, ChoiceError, draw_within};
+use vr_study::choose::{
+    AimedPicture, BoundedRenderer, CONFIDENCE, Choice, ChoiceError, RmseEstimate, draw_aimed, draw_within,
+};
 use vr_study::reference::ReferenceCache;
 
 use crate::args::RendererArgs;
@@ -19,11 +21,14 @@ use crate::scene_setup::Setup;
 #[derive(Debug, Serialize)]
 pub struct Chosen {
     target_rmse: f64,
+    /// RMSE that the renderer aimed at; absent after a search.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    aim: Option<f64>,
     /// The setting's name.
     setting: String,
     /// The options that make it.
     options: Options,
-    /// Number of settings that were tried on a small picture.
+    /// Number of settings that were tried on a small picture, or of aims on the whole one.
     tried: usize,
     /// Number of settings, of those tried, whose small picture was within the target.
     within: usize,
@@ -42,12 +47,13 @@ pub struct Chosen {
     pixels: u64,
 }
 
-/// Draws with the cheapest renderer and setting whose RMSE is within the target; of the named renderer alone, if there is one.
+/// Draws with steps that aim at the target, and checks the picture on a sample; where the usual renderer or the named one cannot aim, or for a `search`, with the cheapest renderer and
+/// setting whose RMSE is within the target; of the named renderer alone, if there is one.
 ///
 /// # Errors
 /// A target that no picture of floats can keep or that no setting reaches, an unknown renderer, or any fault of the scene.
 pub fn draw(
-    target: f64,
+    (target, search): (f64, bool),
     args: &RendererArgs,
     setup: &Setup,
     cache: &ReferenceCache,
@@ -60,9 +66,30 @@ pub fn draw(
         return Err(Failure::usage(format!("--target-rmse: found {target}; must be at least 1e-7: pictures are f32")));
     }
     setup.note_unused_renderer("--target-rmse chooses", console);
+    let bounded = bounded(target);
+    let pixels = setup.view.size.into_iter().map(u64::from).product();
+    if !search {
+        let usual = renderers::usual(&setup.scene);
+        let renderer = renderers::named(args.renderer.as_deref().unwrap_or(usual)).map_err(Failure::usage)?;
+        let aimed = draw_aimed(target, &*renderer, &bounded, (&setup.scene, &setup.view), control);
+        if let Some(picture) = aimed.map_err(|e| setup.render_failure(e))? {
+            let AimedPicture { renderer, aim, tried, rendered, prepare, render, error } = picture;
+            let setting = format!("rmse={}", number::small(aim));
+            let chosen = Chosen::new(target, (setting, renderer.option_values()), (tried, 1), error, pixels);
+            return Ok(Drawn {
+                renderer: renderer.name().to_owned(),
+                frame: rendered.frame,
+                counts: rendered.stats.counts,
+                prepare,
+                render,
+                error_bound: None,
+                stated: StatedRenderer::of(&*renderer, None),
+                chosen: Some(Chosen { aim: Some(aim), ..chosen }),
+            });
+        }
+    }
     let only: Vec<String> = args.renderer.iter().cloned().collect();
     let candidates = candidates(&renderers::chosen(&only)?).map_err(Failure::failed)?;
-    let bounded = bounded(target);
     let choice = under_bar(console, control, "trying settings", |progress| {
         let progress = |share| progress.report(share);
         draw_within(target, &candidates, &bounded, (&setup.scene, &setup.view), cache, (control, &progress))
@@ -73,20 +100,11 @@ pub fn draw(
     })?;
     let Choice { candidate, rendered, prepare, render, error, trials, missed } = choice;
     let winner = &candidates[candidate];
-    let [w, h] = setup.view.size.map(u64::from);
+    let within = trials.iter().filter(|r| r.error.upper <= target).count();
+    let setting = (winner.setting.clone(), winner.options.clone());
     let chosen = Chosen {
-        target_rmse: target,
-        setting: winner.setting.clone(),
-        options: winner.options.clone(),
-        tried: trials.len(),
-        within: trials.iter().filter(|r| r.error.upper <= target).count(),
         disappointed: missed.iter().map(|(i, e)| (candidates[*i].name(), e.upper)).collect(),
-        rmse: error.rmse,
-        rmse_at_most: error.upper,
-        proven: error.proven,
-        confidence: CONFIDENCE,
-        sample_pixels: error.pixels,
-        pixels: w * h,
+        ..Chosen::new(target, setting, (trials.len(), within), error, pixels)
     };
     let stated = StatedRenderer::of(&*winner.configured, None);
     let (renderer, counts) = (winner.renderer.clone(), rendered.stats.counts);
@@ -103,14 +121,42 @@ pub fn draw(
 }
 
 impl Chosen {
+    /// Returns what is known of a picture of so many pixels by a setting, its name and its options.
+    fn new(
+        target_rmse: f64,
+        (setting, options): (String, Options),
+        (tried, within): (usize, usize),
+        error: RmseEstimate,
+        pixels: u64,
+    ) -> Self {
+        Self {
+            target_rmse,
+            aim: None,
+            setting,
+            options,
+            tried,
+            within,
+            disappointed: Vec::new(),
+            rmse: error.rmse,
+            rmse_at_most: error.upper,
+            proven: error.proven,
+            confidence: CONFIDENCE,
+            sample_pixels: error.pixels,
+            pixels,
+        }
+    }
+
     /// Returns lines for people.
     pub fn text(&self) -> String {
         let Self { setting, tried, within, rmse, rmse_at_most, sample_pixels, pixels, target_rmse, .. } = self;
-        let mut text = format!(
-            "chosen   {setting}: expected to be the cheapest of the {within} settings that were within RMSE {} on a small picture, \
-             of {tried} tried\n",
-            number::small(*target_rmse)
-        );
+        let target = number::small(*target_rmse);
+        let mut text = match self.aim {
+            Some(_) => format!("chosen   {setting}: steps and rays that aim at this RMSE, for at most {target}\n"),
+            None => format!(
+                "chosen   {setting}: expected to be the cheapest of the {within} settings that were within RMSE {target} on a small picture, \
+                 of {tried} tried\n"
+            ),
+        };
         for (name, rmse) in &self.disappointed {
             text += &format!("         not {name}: the RMSE of its whole picture may be {}\n", number::small(*rmse));
         }

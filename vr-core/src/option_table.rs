@@ -50,7 +50,7 @@ impl<R: 'static> DeclaredOption<R> {
     ) -> Self {
         // The table fills in the default.
         let default = OptionValue::Switch(false);
-        let spec = OptionSpec { key, kind, default, help, only_with: None, promises: false };
+        let spec = OptionSpec { key, kind, default, help, only_with: None, promises: false, aims: false };
         Self { spec, get: Box::new(get), set: Box::new(set), enable: |_| {}, refusals: Vec::new() }
     }
 
@@ -132,6 +132,12 @@ impl<R: 'static> DeclaredOption<R> {
     #[must_use]
     pub fn promise(self) -> Self {
         Self { spec: OptionSpec { promises: true, ..self.spec }, ..self }
+    }
+
+    /// Marks the option's value as the RMSE that the renderer aims at by settings of its own.
+    #[must_use]
+    pub fn aim(self) -> Self {
+        Self { spec: OptionSpec { aims: true, ..self.spec }, ..self }
     }
 }
 

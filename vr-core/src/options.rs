@@ -34,6 +34,8 @@ pub struct OptionSpec {
     pub only_with: Option<&'static str>,
     /// True if its value is the largest error that the renderer promises.
     pub promises: bool,
+    /// True if its value is the RMSE that the renderer aims at by settings of its own, in units of max(1, the picture's largest magnitude).
+    pub aims: bool,
 }
 
 impl OptionSpec {

@@ -6,7 +6,7 @@ use crate::frame::Frame;
 use crate::model::Model;
 use crate::probe::Probe;
 use crate::scene::Scene;
-use crate::stats::RenderStats;
+use crate::stats::{Counts, RenderStats};
 use crate::unsupported::{Feature, Unsupported};
 use crate::view::View;
 
@@ -119,6 +119,20 @@ pub trait Prepared: Send {
     /// # Errors
     /// Same as for [`Self::render`]; also an error for a pixel that the view does not have.
     fn probe(&mut self, _view: &View, _pixel: [u32; 2], _control: &Control) -> Result<Option<Probe>, RenderError> {
+        Ok(None)
+    }
+
+    /// Premultiplied linear RGBA of some pixels (x, y) of a view, and the work done for them: those of the picture that every pixel's own rays make. `None` from a renderer whose
+    /// pixels cannot be drawn one by one.
+    ///
+    /// # Errors
+    /// Same as for [`Self::render`]; also an error for a pixel that the view does not have.
+    fn pixels(
+        &mut self,
+        _view: &View,
+        _pixels: &[[u32; 2]],
+        _control: &Control,
+    ) -> Result<Option<(Vec<[f32; 4]>, Counts)>, RenderError> {
         Ok(None)
     }
 }

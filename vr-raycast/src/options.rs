@@ -113,7 +113,7 @@ fn step_options() -> [DeclaredOption<RayCaster>; 4] {
 }
 
 /// Returns all options but those of steps.
-fn other_options() -> [DeclaredOption<RayCaster>; 12] {
+fn other_options() -> [DeclaredOption<RayCaster>; 13] {
     let rules = [Rule::Auto, Rule::Midpoint, Rule::Left, Rule::Linear, Rule::Quadratic, Rule::Exact];
     let screens = [ImageSampling::Auto, ImageSampling::EveryPixel, ADAPTIVE];
     let filters = Filter::ALL.map(|filter| (filter.name(), Some(filter)));
@@ -122,10 +122,18 @@ fn other_options() -> [DeclaredOption<RayCaster>; 12] {
             "quality",
             "RMSE of the picture that automatic steps and rays aim at: draft 0.004 (a level of 8 bits), normal 0.001 (as much as rounding to 8 bits adds), fine 0.00025; where steps are uniform, their length: 0.5, 0.2, 0.1",
             Quality::ALL.map(|quality| (quality.name(), quality)),
-            |c| c.quality,
+            |c| if let Quality::Rmse(_) = c.quality { Quality::default() } else { c.quality },
             |c, quality| c.quality = quality,
         )
         .refuse("steps are given: needs steps=auto", |c| c.quality != Quality::default() && c.step != Step::Auto),
+        DeclaredOption::number_only_with(
+            ("rmse", "RMSE of the picture that automatic steps and rays aim at, in place of a quality"),
+            NumberRange::above(0.0).up_to(1.0),
+            ("steps=auto", |c: &mut RayCaster| c.quality = Quality::Rmse(Quality::default().error())),
+            |c| if let Quality::Rmse(error) = c.quality { Some(error) } else { None },
+            |c: &mut RayCaster, error| c.quality = Quality::Rmse(error),
+        )
+        .aim(),
         DeclaredOption::<RayCaster>::choice(
             "leaping",
             "how rays find out where nothing is visible; changes no pixel. All but auto go with uniform steps, and all but auto and none with the plain engine",
@@ -280,6 +288,8 @@ mod tests {
             RayCaster { step: Step::Homogeneous { step: 0.5, error: 0.1 }, ..RayCaster::default() },
             RayCaster { step: Step::Variance { step: 0.5, error: 0.1 }, ..RayCaster::default() },
             RayCaster { step: Step::ErrorBound(0.1), ..RayCaster::default() },
+            RayCaster { quality: Quality::Fine, ..RayCaster::default() },
+            RayCaster { quality: Quality::Rmse(0.002), ..RayCaster::default() },
         ];
         for from in &casters {
             for to in &casters {

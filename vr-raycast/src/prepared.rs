@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 use vr_core::{
-    Control, Filter, Layer, Model, ParameterError, Prepared, Probe, Rays, Real, RenderError, Rendered, Scene, View,
+    Control, Counts, Filter, Layer, Model, ParameterError, Prepared, Probe, Rays, Real, RenderError, Rendered, Scene,
+    View,
 };
 
 use crate::capabilities::{check, check_view};
@@ -18,7 +19,7 @@ use crate::pipeline::Pipeline;
 use crate::place_colors::PlaceColors;
 use crate::polled_tracer::PolledTracer;
 use crate::render_tables::{RenderTables, TablesByPrecision};
-use crate::screen;
+use crate::screen::{self, AdaptiveRays};
 use crate::source::Source;
 use crate::step_map::SHORTEST;
 use crate::thin_parts::ThinParts;
@@ -85,6 +86,14 @@ impl PreparedCaster {
     }
 }
 
+/// Checks that a view has a pixel.
+fn check_pixel(view: &View, pixel: [u32; 2]) -> Result<(), RenderError> {
+    if pixel[0] >= view.size[0] || pixel[1] >= view.size[1] {
+        return Err(ParameterError::new("pixel", pixel, "must lie in the picture").into());
+    }
+    Ok(())
+}
+
 impl Prepared for PreparedCaster {
     fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
         let Settled { caster, scene, source, filtered } = Settled::new(&self.asked, scene, control)?;
@@ -111,20 +120,40 @@ impl Prepared for PreparedCaster {
         let pixels = view.size.map(u64::from).iter().product();
         let mut threshold = self.caster.adaptive_threshold(pixels);
         let choice = if pixels < ImageSampling::LARGE { None } else { self.choose((view, layer), threshold, control)? };
-        let leaves_rays_out = choice.as_ref().is_none_or(|choice| !choice.every_pixel);
-        if !leaves_rays_out && self.asked.image_sampling == ImageSampling::Auto {
+        let all_are_quicker = choice.as_ref().map(|choice| choice.every_pixel);
+        if all_are_quicker == Some(true) && self.asked.image_sampling == ImageSampling::Auto {
             threshold = None;
         }
         if let (Some(_), None, Some(volume)) = (threshold, &self.thin_parts, self.source.grid()) {
             self.thin_parts = Some(control.run(|| ThinParts::new(&self.scene, volume)));
         }
-        let rays = threshold.map(|threshold| (threshold, self.thin_parts.as_ref()));
+        let rays = threshold.map(|threshold| AdaptiveRays {
+            threshold,
+            thin_parts: self.thin_parts.as_ref(),
+            are_few: all_are_quicker == Some(false),
+        });
         let even = choice.and_then(|choice| choice.even);
         let tracer = match &even {
             Some(engine) => self.polled(Box::new(PacketFrame::new(engine, &engine.volume, (view, layer))?)),
             None => self.tracer((view, layer))?,
         };
         screen::draw(rays, tracer.as_ref(), (view, layer), control)
+    }
+
+    fn pixels(
+        &mut self,
+        view: &View,
+        pixels: &[[u32; 2]],
+        control: &Control,
+    ) -> Result<Option<(Vec<[f32; 4]>, Counts)>, RenderError> {
+        check_view(&self.caster, view)?;
+        pixels.iter().try_for_each(|&pixel| check_pixel(view, pixel))?;
+        if !self.caster.image_sampling.casts_pixels() {
+            return Ok(None);
+        }
+        let layer = self.scene.layer(view, control)?;
+        let tracer = self.tracer((view, layer.as_ref()))?;
+        screen::some_pixels(tracer.as_ref(), view, pixels, control).map(Some)
     }
 
     fn model(&self, _: &View) -> Result<Model, RenderError> {
@@ -134,9 +163,7 @@ impl Prepared for PreparedCaster {
     /// Returns `None` for templates, whose rays are not those of pixels, and under an error bound.
     fn probe(&mut self, view: &View, pixel: [u32; 2], control: &Control) -> Result<Option<Probe>, RenderError> {
         view.validate()?;
-        if pixel[0] >= view.size[0] || pixel[1] >= view.size[1] {
-            return Err(ParameterError::new("pixel", pixel, "must lie in the picture").into());
-        }
+        check_pixel(view, pixel)?;
         if !self.caster.image_sampling.casts_pixels() {
             return Ok(None);
         }

@@ -1,4 +1,4 @@
-//! Targets of the RMSE over the kinds of random scenes.
+//! Targets of the RMSE over the kinds of random scenes: pictures large enough that a caster chooses steps and rays by a few of them.
 
 use std::ops::Range;
 use std::path::Path;
@@ -13,7 +13,7 @@ use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
 use vr_splat::Splatter;
 use vr_study::candidate::candidates;
-use vr_study::choose::{BoundedRenderer, ChoiceError, draw_within};
+use vr_study::choose::{BoundedRenderer, ChoiceError, draw_aimed, draw_within};
 use vr_study::reference::ReferenceCache;
 use vr_texslice::TextureSlicer;
 
@@ -23,7 +23,7 @@ use crate::Error;
 const TARGETS: [f64; 2] = [0.01, 0.001];
 
 /// Pixels along the sides of a picture.
-const SIZE: [u32; 2] = [96, 72];
+const SIZE: [u32; 2] = [320, 240];
 
 /// Tolerance of the reference.
 const TOLERANCE: f64 = 1e-5;
@@ -39,13 +39,15 @@ pub fn count(seeds: Range<u64>, out: &Path) -> Result<(), Error> {
         Box::new(Reference::default()),
     ];
     let candidates = candidates(&renderers)?;
-    let (mut kept, mut missed, mut unreached) = (0, 0, 0);
+    let (mut kept, mut missed, mut unreached, mut searched) = (0, 0, 0, 0);
     let (mut ratios, mut shares) = (Vec::new(), Vec::new());
     println!(
         "seeds {} to {}, kinds and targets ({TARGETS:?}) in turns, pictures of {}x{} pixels, all of them compared",
         seeds.start, seeds.end, SIZE[0], SIZE[1]
     );
-    println!("| seed | kind | target | RMSE in targets | time of the choice in pictures |");
+    println!(
+        "| seed | kind | target | aim, or setting of a search | RMSE in targets | time of the choice in pictures |"
+    );
     for seed in seeds {
         let kind = Kind::ALL[(seed % Kind::ALL.len() as u64) as usize];
         let TestScene { scene, view } = kind.draw(seed);
@@ -55,33 +57,44 @@ pub fn count(seeds: Range<u64>, out: &Path) -> Result<(), Error> {
         let promising = RayCaster::default().with_max_error(max_error).expect("a ray caster promises")?;
         let bounded = [BoundedRenderer { renderer: promising, max_error }];
         let (cache, start) = (ReferenceCache::none(), Instant::now());
-        let choice = match draw_within(target, &candidates, &bounded, (&scene, &view), &cache, (&control, &|_| ())) {
-            Ok(choice) => choice,
-            Err(e @ (ChoiceError::OutOfReach { .. } | ChoiceError::NoRenderer)) => {
-                println!("seed {seed}, {}: {e}", kind.name());
-                unreached += 1;
-                continue;
+        // As `vr render` does it: a ray caster that aims at the target, and else a search.
+        let caster = RayCaster::default();
+        let (name, frame, time, error) = match draw_aimed(target, &caster, &bounded, (&scene, &view), &control)? {
+            Some(aimed) => {
+                let name = format!("{} in {} pictures", aimed.aim, aimed.tried);
+                (name, aimed.rendered.frame, aimed.prepare + aimed.render, aimed.error)
             }
-            Err(e) => return Err(e.into()),
+            None => match draw_within(target, &candidates, &bounded, (&scene, &view), &cache, (&control, &|_| ())) {
+                Ok(choice) => {
+                    searched += 1;
+                    let name = candidates[choice.candidate].name();
+                    (name, choice.rendered.frame, choice.prepare + choice.render, choice.error)
+                }
+                Err(e @ (ChoiceError::OutOfReach { .. } | ChoiceError::NoRenderer)) => {
+                    println!("seed {seed}, {}: {e}", kind.name());
+                    unreached += 1;
+                    continue;
+                }
+                Err(e) => return Err(e.into()),
+            },
         };
-        let share = start.elapsed().as_secs_f64() / (choice.prepare + choice.render).as_secs_f64().max(1e-9);
+        let share = start.elapsed().as_secs_f64() / time.as_secs_f64().max(1e-9);
         let solution = Reference::new(TOLERANCE).solve(&scene, &view, &Model::Canonical, &control)?;
         let rgba: Vec<[f64; 4]> = solution.pixels.iter().map(|pixel| pixel.rgba).collect();
-        let rmse = Metrics::of(&rgba, choice.rendered.frame.pixels()).rmse;
+        let rmse = Metrics::of(&rgba, frame.pixels()).rmse;
         ratios.push(rmse / target);
         shares.push(share);
-        println!("| {seed} | {} | {target} | {:.4} | {share:.1} |", kind.name(), rmse / target);
+        println!("| {seed} | {} | {target} | {name} | {:.4} | {share:.1} |", kind.name(), rmse / target);
         if rmse <= target {
             kept += 1;
             continue;
         }
         missed += 1;
-        let name = candidates[choice.candidate].name();
         println!(
             "seed {seed}, {}: RMSE {rmse:.2e} for {target}, by {name}, which told {:.2e} and at most {:.2e}; the reference is certain to {:.1e}",
             kind.name(),
-            choice.error.rmse,
-            choice.error.upper,
+            error.rmse,
+            error.upper,
             solution.certainty().value()
         );
         std::fs::create_dir_all(out)?;
@@ -99,7 +112,7 @@ pub fn count(seeds: Range<u64>, out: &Path) -> Result<(), Error> {
         };
         [0.1, 0.5, 0.9, 0.99, 1.0].map(|share| at(share).map_or("-".to_owned(), |x| format!("{x:.3}"))).join(" | ")
     };
-    println!("kept {kept}, missed {missed}, out of reach {unreached}");
+    println!("kept {kept}, missed {missed}, out of reach {unreached}; by a search {searched}");
     println!("| | 10 % | median | 90 % | 99 % | largest |");
     println!("| RMSE of the whole picture, in targets | {} |", quantiles(&mut ratios));
     println!("| time of the choice, in times of the picture that it gives | {} |", quantiles(&mut shares));

@@ -232,9 +232,12 @@ pub enum Quality {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Renderer")]
 pub struct TargetArgs {
-    /// Choose the cheapest renderer and setting whose RMSE is at most E, by trying them on the scene
+    /// Draw a picture whose RMSE is at most E, with a confidence of 95 %: steps that aim at it, checked on a sample of pixels. Where the renderer cannot aim at an error, --search
     #[arg(long, value_name = "E", conflicts_with_all = ["set", "max_error", "quality"])]
     pub target_rmse: Option<f64>,
+    /// With --target-rmse: try all settings of all renderers, or of the named one, and prove the RMSE on every pixel where that can be done. It takes hundreds of times as long as the picture
+    #[arg(long, requires = "target_rmse")]
+    pub search: bool,
 }
 
 /// Output of the picture.

@@ -17,6 +17,24 @@ pub(crate) fn every_pixel(tracer: &dyn Tracer, view: &View, control: &Control) -
     Ok(Rendered { frame, stats })
 }
 
+/// Traces the rays of some pixels of a view on all threads; returns their colours.
+pub(crate) fn some_pixels(
+    tracer: &dyn Tracer,
+    view: &View,
+    pixels: &[[u32; 2]],
+    control: &Control,
+) -> Result<(Vec<[f32; 4]>, Counts), RenderError> {
+    const PART: usize = 64;
+    let parts = pixels.len().div_ceil(PART) as u32;
+    let traced = in_parallel(control, parts, |part| {
+        let from = part as usize * PART;
+        traced(tracer, view, &pixels[from..(from + PART).min(pixels.len())])
+    })?;
+    let mut all = Counts::default();
+    traced.iter().for_each(|(_, counts)| all += *counts);
+    Ok((traced.into_iter().flat_map(|(values, _)| values).map(|value| value.rgba).collect(), all))
+}
+
 /// Function that draws pixels and returns one value for each.
 type DrawTile<'a> = &'a (dyn Fn(&[[u32; 2]]) -> (Vec<RaySample>, Counts) + Sync);
 

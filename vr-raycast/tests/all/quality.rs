@@ -144,7 +144,8 @@ fn automatic_rays_are_fewer_and_miss_nothing() {
         let share = auto.stats.counts.rays as f64 / all.stats.counts.rays as f64;
         println!("{name}: {share:.2} of the rays, worst pixel {worst:.1e}, RMSE {mean:.1e}");
         assert!(worst <= threshold && mean <= Step::ERROR, "{name}: {worst} {mean}");
-        assert!(share < 1.0 || name == "needles", "{name}: {share}");
+        // Where most rays would be traced, all are: that takes less time.
+        assert!(share < 0.5 || name != "fog", "{name}: {share}");
     }
 }
 

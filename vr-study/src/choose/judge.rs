@@ -26,7 +26,7 @@ pub(super) enum Judge {
 }
 
 /// Largest share of the target that a proven picture's own error may be.
-const MAX_SHARE: f64 = 0.25;
+pub(super) const MAX_SHARE: f64 = 0.25;
 /// Number of parts along each side of the small picture, of each of which a pixel is compared with the reference.
 const SMALL_SUBGRID: u32 = 40;
 /// Longest time in which the reference pixels of a whole picture are solved.

@@ -1,12 +1,13 @@
 //! Choice of the cheapest renderer and setting whose picture is within a given RMSE.
 
+mod aimed;
 mod judge;
 mod rmse;
 mod strata;
 
 use std::time::{Duration, Instant};
 
-use vr_core::{Control, Frame, RenderError, Rendered, Renderer, Scene, View};
+use vr_core::{Control, Frame, RenderError, Rendered, Renderer, Scene, StudiedRenderer, View};
 
 use crate::candidate::Candidate;
 use crate::reference::ReferenceCache;
@@ -59,6 +60,24 @@ pub struct Choice {
     pub missed: Vec<(usize, RmseEstimate)>,
 }
 
+/// Picture of a renderer that aimed at the target itself.
+pub struct AimedPicture {
+    /// The renderer, as it drew the picture.
+    pub renderer: Box<dyn StudiedRenderer>,
+    /// RMSE that it aimed at.
+    pub aim: f64,
+    /// Number of pictures that were drawn, this one included.
+    pub tried: usize,
+    /// The picture.
+    pub rendered: Rendered,
+    /// Time of the preparation.
+    pub prepare: Duration,
+    /// Time of the picture.
+    pub render: Duration,
+    /// The RMSE of the picture.
+    pub error: RmseEstimate,
+}
+
 /// Reason for which no candidate was chosen.
 #[derive(Debug, thiserror::Error)]
 pub enum ChoiceError {
@@ -88,6 +107,21 @@ const LARGER: f64 = 192.0 * 192.0;
 const FINALISTS: usize = 12;
 /// Time after which no further candidate is tried.
 const PATIENCE: Duration = Duration::from_secs(20);
+
+/// Draws a picture by a renderer that aims at an RMSE itself, and judges it by pixels of a sample that a bounded renderer proves: those in which little of the picture can hide its
+/// errors. If it is not within the target, the renderer aims lower. `None` where it cannot aim, no pixels are proven, or aiming lower does not help.
+///
+/// # Errors
+/// Invalid scene or view, or cancellation.
+pub fn draw_aimed(
+    target: f64,
+    renderer: &dyn StudiedRenderer,
+    bounded: &[BoundedRenderer],
+    seen: (&Scene, &View),
+    control: &Control,
+) -> Result<Option<AimedPicture>, RenderError> {
+    aimed::draw(target, renderer, bounded, seen, control)
+}
 
 /// Draws a small picture with every candidate, and a larger one with those that were within the target, to see how their time grows; then
 /// the whole one with the cheapest of them; and if that one is not within the target, with the next.
@@ -234,7 +268,7 @@ mod tests {
     use crate::candidate::candidates;
     use crate::reference::ReferencePixels;
     use crate::subject::phantom_subject;
-    use vr_core::{Model, StudiedRenderer};
+    use vr_core::Model;
     use vr_physics::Reference;
     use vr_physics::metrics::subgrid;
     use vr_raycast::RayCaster;

@@ -50,9 +50,7 @@ impl RmseEstimate {
     /// Estimates the RMSE from a picture of the same view of which every pixel is within `error` of the correct one, in units of max(1, the largest
     /// magnitude): the triangle inequality of root mean squares, over all pixels.
     pub fn against(frame: &Frame, proven: &Frame, error: f64) -> Self {
-        let peak = proven.pixels().iter().flatten().map(|c| f64::from(c.abs())).fold(1.0, f64::max);
-        // The correct picture's largest magnitude is at least this.
-        let scale = (peak * (1.0 - error)).max(1.0);
+        let scale = scale_of(proven.pixels(), error);
         let pairs = frame.pixels().iter().zip(proven.pixels());
         let square =
             |(a, b): (&[f32; 4], &[f32; 4])| mean_square(std::array::from_fn(|c| f64::from(a[c]) - f64::from(b[c])));
@@ -62,13 +60,29 @@ impl RmseEstimate {
     }
 }
 
+impl RmseEstimate {
+    /// Makes the estimate from the mean of squares of `pixels` pixels, each of which is known to within `error`, and the variance of that mean; by the normal distribution of means.
+    pub(super) fn of_strata((mean, variance): (f64, f64), scale: f64, error: f64, pixels: usize) -> Self {
+        let upper = (mean + QUANTILE * variance.sqrt()).sqrt() / scale + error;
+        // Infinite errors leave no mean of squares.
+        let upper = if upper.is_nan() { f64::INFINITY } else { upper };
+        Self { rmse: mean.sqrt() / scale, upper, pixels, proven: false }
+    }
+}
+
+/// Returns the unit of a picture's errors, of which some pixels are known to within `error`: its largest magnitude is at least this, or 1.
+pub(super) fn scale_of(pixels: &[[f32; 4]], error: f64) -> f64 {
+    let peak = pixels.iter().flatten().map(|c| f64::from(c.abs())).fold(1.0, f64::max);
+    (peak * (1.0 - error)).max(1.0)
+}
+
 /// Returns the mean square of the components' errors, for each pixel that was solved.
 pub(super) fn squares(reference: &ReferencePixels, frame: &Frame) -> Vec<f64> {
     reference.signed(frame).into_iter().map(mean_square).collect()
 }
 
 /// Returns the mean square of a pixel's errors; infinite if one is NaN.
-fn mean_square(errors: [f64; 4]) -> f64 {
+pub(super) fn mean_square(errors: [f64; 4]) -> f64 {
     let square = errors.iter().map(|c| c * c).sum::<f64>() / 4.0;
     if square.is_nan() { f64::INFINITY } else { square }
 }

@@ -5,6 +5,7 @@
 //! distance of the picture from a finer one, and by the distance of neighbouring pixels from each other. The foremost 1/1024 of them, up to 1/128,
 //! 1/16, 1/4, and the rest are strata, of each of which as many pixels are solved.
 
+use vr_core::parallel::collect;
 use vr_core::{Control, Frame, Model, RenderError, Scene, View};
 use vr_physics::metrics::subgrid;
 
@@ -14,6 +15,8 @@ use crate::reference::{ReferenceCache, SUBGRID};
 
 /// Ends of the strata, as shares of all pixels, the most suspicious first.
 const ENDS: [f64; 5] = [1.0 / 1024.0, 1.0 / 128.0, 1.0 / 16.0, 0.25, 1.0];
+/// Number of strata.
+pub(super) const SHARES: usize = ENDS.len();
 /// Number of pixels of each stratum that are solved, beside those of the even subgrid.
 const SAMPLES: usize = 1024;
 
@@ -34,9 +37,9 @@ pub(super) fn bound(
     control: &Control,
 ) -> Result<RmseEstimate, RenderError> {
     let width = frame.size()[0] as usize;
-    let stratum_of = strata(&suspicion(frame, finer));
+    let stratum_of = strata(&suspicion(frame, Some(finer)));
     let even = subgrid(SUBGRID, view.size).into_iter().map(|[x, y]| y as usize * width + x as usize);
-    let chosen = sample(&stratum_of, even);
+    let chosen = sample(&stratum_of, even, SAMPLES);
     let places = chosen.iter().map(|&i| [(i % width) as u32, (i / width) as u32]).collect();
     let reference = cache.solve((scene, view), &Model::Canonical, places, control)?;
 
@@ -74,54 +77,59 @@ fn bernstein(sample: &[f64], size: usize, range: f64, delta: f64) -> [f64; 2] {
     [mean, upper.min(range)]
 }
 
-/// Returns the suspicion of each pixel: its distance from a finer picture, and the largest distance of its neighbours from it in either.
-fn suspicion(frame: &Frame, finer: &Frame) -> Vec<f32> {
+/// Returns the suspicion of each pixel: its distance from a finer picture, if there is one, and the largest distance of the pixels beside, above and below from it, in either.
+pub(super) fn suspicion(frame: &Frame, finer: Option<&Frame>) -> Vec<f32> {
     let [w, h] = frame.size().map(|side| side as usize);
-    let apart = |a: [f32; 4], b: [f32; 4]| {
-        let largest = (0..4)
-            .map(|c| (a[c] - b[c]).abs())
-            .fold(0.0, |m: f32, d| if d.is_nan() { f32::INFINITY } else { m.max(d) });
-        if a.iter().chain(&b).any(|c| c.is_nan()) { f32::INFINITY } else { largest }
+    let apart = |a: &[f32; 4], b: &[f32; 4]| {
+        // NaN is as far as can be: a maximum would pass it over.
+        (0..4).map(|c| (a[c] - b[c]).abs()).fold(0.0, |m: f32, d| if d.is_nan() { f32::INFINITY } else { m.max(d) })
     };
     let contrast = |f: &Frame, x: usize, y: usize| {
-        let at = |x: usize, y: usize| f.pixels()[y * w + x];
-        let (own, mut largest) = (at(x, y), 0.0f32);
-        for v in y.saturating_sub(1)..(y + 2).min(h) {
-            for u in x.saturating_sub(1)..(x + 2).min(w) {
-                largest = largest.max(apart(own, at(u, v)));
-            }
-        }
-        largest
+        let at = |x: usize, y: usize| &f.pixels()[y * w + x];
+        let beside = [at(x.saturating_sub(1), y), at((x + 1).min(w - 1), y)];
+        let across = [at(x, y.saturating_sub(1)), at(x, (y + 1).min(h - 1))];
+        beside.into_iter().chain(across).map(|other| apart(at(x, y), other)).fold(0.0, f32::max)
     };
     let score = |i: usize| {
         let (x, y) = (i % w, i / w);
+        let own = contrast(frame, x, y);
+        let Some(finer) = finer else { return own };
         // An error is seen in the difference itself; beside a contrast there is only room for one.
-        let difference = apart(frame.pixels()[i], finer.pixels()[i]);
-        difference.max(0.1 * contrast(frame, x, y).max(contrast(finer, x, y)))
+        let difference = apart(&frame.pixels()[i], &finer.pixels()[i]);
+        difference.max(0.1 * own.max(contrast(finer, x, y)))
     };
-    (0..w * h).map(score).collect()
+    collect(w * h, score)
 }
 
 /// Returns the stratum of each pixel, by its rank.
-fn strata(suspicion: &[f32]) -> Vec<u8> {
-    let mut ranked: Vec<usize> = (0..suspicion.len()).collect();
-    ranked.sort_by(|&a, &b| suspicion[b].total_cmp(&suspicion[a]).then(a.cmp(&b)));
-    let mut stratum_of = vec![0; suspicion.len()];
-    for (rank, &i) in ranked.iter().enumerate() {
-        let share = (rank + 1) as f64 / suspicion.len() as f64;
-        stratum_of[i] = ENDS.iter().position(|&end| share <= end).unwrap_or(ENDS.len() - 1) as u8;
+pub(super) fn strata(suspicion: &[f32]) -> Vec<u8> {
+    let count = suspicion.len();
+    let mut ranked: Vec<usize> = (0..count).collect();
+    let mut stratum_of = vec![0; count];
+    // The rearmost first: each end parts only what is left before it.
+    let mut end = count;
+    for stratum in (1..SHARES).rev() {
+        let begin = ((ENDS[stratum - 1] * count as f64) as usize).min(end);
+        if begin < end {
+            ranked[..end].select_nth_unstable_by(begin, |&a, &b| suspicion[b].total_cmp(&suspicion[a]).then(a.cmp(&b)));
+            ranked[begin..end].iter().for_each(|&i| stratum_of[i] = stratum as u8);
+        }
+        end = begin;
     }
     stratum_of
 }
 
-/// Returns pixels of each stratum at random, and those of an even grid; in ascending order, each once.
-fn sample(stratum_of: &[u8], even: impl Iterator<Item = usize>) -> Vec<usize> {
+/// Returns up to so many pixels of each stratum at random, and those of an even grid; in ascending order, each once.
+pub(super) fn sample(stratum_of: &[u8], even: impl Iterator<Item = usize>, samples: usize) -> Vec<usize> {
     let mut chosen: Vec<usize> = even.collect();
-    for h in 0..ENDS.len() as u8 {
-        let mut own: Vec<usize> = (0..stratum_of.len()).filter(|&i| stratum_of[i] == h).collect();
+    for h in 0..SHARES as u8 {
         // The same in every run: a picture's bound must not depend on the day.
-        own.sort_by_key(|&i| scrambled(i as u64));
-        chosen.extend(own.into_iter().take(SAMPLES));
+        let mut own: Vec<(u64, usize)> =
+            (0..stratum_of.len()).filter(|&i| stratum_of[i] == h).map(|i| (scrambled(i as u64), i)).collect();
+        if samples < own.len() {
+            own.select_nth_unstable(samples);
+        }
+        chosen.extend(own.into_iter().take(samples).map(|(_, i)| i));
     }
     chosen.sort_unstable();
     chosen.dedup();
@@ -149,9 +157,9 @@ mod tests {
         let star = Frame::new(size, pixels, None);
         // Missed by the picture or by the finer one, or seen by both.
         for (frame, finer) in [(&flat, &star), (&star, &flat), (&star, &star)] {
-            let strata = strata(&suspicion(frame, finer));
+            let strata = strata(&suspicion(frame, Some(finer)));
             assert!(strata[777] <= 1 && strata.iter().filter(|&&s| s == 0).count() == 4);
-            assert!(sample(&strata, std::iter::empty()).contains(&777));
+            assert!(sample(&strata, std::iter::empty(), SAMPLES).contains(&777));
         }
     }
 

@@ -5,8 +5,8 @@ mod cells;
 
 use vr_core::{Control, Layer, RenderError, RenderStats, Rendered, View};
 
+use super::AdaptiveRays;
 use super::every_pixel::every_pixel;
-use crate::thin_parts::ThinParts;
 use crate::tracer::Tracer;
 use canvas::Canvas;
 use cells::Cells;
@@ -32,7 +32,7 @@ const MOSTLY: f64 = 0.9;
 /// a time, until nothing bends: one ray that meets a thin line finds all of it. Third, every pixel is traced in cells in which [`ThinParts`] show. How much is
 /// still missed is measured by the tests.
 ///
-/// If nearly all cells that show anything are to be refined, every pixel in them is traced at once: packets of neighbouring pixels are so much faster than
+/// If nearly all cells that show anything are to be refined, and nothing is known of what follows, every pixel in them is traced at once: packets of neighbouring pixels are so much faster than
 /// packets of every other pixel that leaving some out would save nothing.
 ///
 /// A threshold of 0 traces every pixel. Cells in which an opaque layer shows are traced whole: layers have edges that no corner
@@ -42,14 +42,14 @@ const MOSTLY: f64 = 0.9;
 pub(crate) fn adaptive(
     tracer: &dyn Tracer,
     (view, layer): (&View, Option<&Layer>),
-    (threshold, thin): (f64, Option<&ThinParts>),
+    AdaptiveRays { threshold, thin_parts, are_few }: AdaptiveRays<'_>,
     control: &Control,
 ) -> Result<Rendered, RenderError> {
     if threshold == 0.0 {
         return every_pixel(tracer, view, control);
     }
     let mut stats = RenderStats::default();
-    let thin = match thin {
+    let thin = match thin_parts {
         Some(thin) => stats.time("thin parts", || thin.tiles(view))?,
         None => Vec::new(),
     };
@@ -70,7 +70,7 @@ pub(crate) fn adaptive(
             differing.add(&whole);
             differing.grown(&cells)
         });
-        if spacing == COARSE && is_most_of(&refined, &cells.within(&canvas.seen(spacing))) {
+        if spacing == COARSE && !are_few && is_most_of(&refined, &cells.within(&canvas.seen(spacing))) {
             // Hardly any ray would be left out in them: those of neighbouring pixels run together.
             trace_whole(tracer, &mut canvas, refined, threshold as f32, &mut stats)?;
             break;

@@ -1,7 +1,7 @@
 use vr_core::image_order::ImageSample;
 use vr_core::{Camera, Control, Counts, Layer, Rendered, View};
 
-use super::adaptive;
+use super::{AdaptiveRays, adaptive};
 use crate::tracer::{RaySample, Tracer};
 
 /// A picture given by a formula in pixels.
@@ -18,8 +18,12 @@ fn view(size: [u32; 2]) -> View {
     View::new(Camera::framing((glam::DVec3::ZERO, glam::DVec3::ONE), 0.0, 0.0, None), size)
 }
 
+fn rays(threshold: f64) -> AdaptiveRays<'static> {
+    AdaptiveRays { threshold, thin_parts: None, are_few: false }
+}
+
 fn draw(size: [u32; 2], threshold: f64, f: impl Fn(f64, f64) -> f64 + Sync) -> Rendered {
-    adaptive(&Painting(f), (&view(size), None), (threshold, None), &Control::default()).unwrap()
+    adaptive(&Painting(f), (&view(size), None), rays(threshold), &Control::default()).unwrap()
 }
 
 fn largest_error(size: [u32; 2], threshold: f64, f: impl Fn(f64, f64) -> f64 + Sync) -> f64 {
@@ -110,7 +114,7 @@ fn a_layer_is_traced_where_it_shows() {
             values.extend(spots.iter().map(|s| RaySample::NOTHING.over(self.0, s.pixel)));
         }
     }
-    let frame = adaptive(&Layered(&layer), (&view, Some(&layer)), (0.1, None), &Control::default()).unwrap().frame;
+    let frame = adaptive(&Layered(&layer), (&view, Some(&layer)), rays(0.1), &Control::default()).unwrap().frame;
     for (i, p) in frame.pixels().iter().enumerate() {
         assert_eq!(p[0], f32::from(u8::from(shown(i))), "{i}");
     }
