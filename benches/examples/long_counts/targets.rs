@@ -61,7 +61,7 @@ pub fn count(seeds: Range<u64>, out: &Path) -> Result<(), Error> {
         let caster = RayCaster::default();
         let (name, frame, time, error) = match draw_aimed(target, &caster, &bounded, (&scene, &view), &control)? {
             Some(aimed) => {
-                let name = format!("{} in {} pictures", aimed.aim, aimed.tried);
+                let name = format!("{:.1e} in {} pictures", aimed.aim, aimed.tried);
                 (name, aimed.rendered.frame, aimed.prepare + aimed.render, aimed.error)
             }
             None => match draw_within(target, &candidates, &bounded, (&scene, &view), &cache, (&control, &|_| ())) {

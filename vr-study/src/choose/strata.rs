@@ -101,6 +101,17 @@ pub(super) fn suspicion(frame: &Frame, finer: Option<&Frame>) -> Vec<f32> {
     collect(w * h, score)
 }
 
+/// Returns so many pixels, the most suspicious ones; in ascending order.
+pub(super) fn foremost(suspicion: &[f32], count: usize) -> Vec<usize> {
+    let mut ranked: Vec<usize> = (0..suspicion.len()).collect();
+    if count < ranked.len() {
+        ranked.select_nth_unstable_by(count, |&a, &b| suspicion[b].total_cmp(&suspicion[a]).then(a.cmp(&b)));
+        ranked.truncate(count);
+        ranked.sort_unstable();
+    }
+    ranked
+}
+
 /// Returns the stratum of each pixel, by its rank.
 pub(super) fn strata(suspicion: &[f32]) -> Vec<u8> {
     let count = suspicion.len();
