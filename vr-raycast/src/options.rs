@@ -14,7 +14,7 @@ use crate::classics::options as classics;
 mod classics {
     use super::*;
 
-    pub(super) const STEPS_HELP: &str = "length of steps: uniform; local, as long as what is in each place allows; tolerance, as a promised error asks for; auto, local where light is followed, else uniform";
+    pub(super) const STEPS_HELP: &str = "length of steps: uniform; local, as long as what is in each place allows; tolerance, as a promised error asks for; auto, local where light is followed (in large pictures one length for all, where that takes less time), else uniform";
     pub(super) const STEPS_OF_ONE_LENGTH: &str = "steps=uniform";
     pub(super) const STEPS: [(&str, Step); 0] = [];
     pub(super) const LEAPINGS: [(&str, EmptySpace); 0] = [];
@@ -233,7 +233,7 @@ fn other_options() -> [DeclaredOption<RayCaster>; 13] {
         ),
         DeclaredOption::choice(
             "screen",
-            "rays that are cast: all, those where colours bend, those from where the last view saw something, or those of a template; auto, where colours bend if steps are local and the picture has 65536 pixels or more, else all",
+            "rays that are cast: all, those where colours bend, those from where the last view saw something, or those of a template; auto, where colours bend if steps are automatic or local, the picture has 65536 pixels or more, and that takes less time, else all",
             screens.into_iter().chain(classics::SCREENS).map(|screen| (screen.name(), screen)),
             |c: &RayCaster| if let ImageSampling::Adaptive { .. } = c.image_sampling { ADAPTIVE } else { c.image_sampling },
             |c, screen| c.image_sampling = screen,

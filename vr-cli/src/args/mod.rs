@@ -196,7 +196,7 @@ impl RendererArgs {
         }
         if !has_qualities {
             return Err(format!(
-                "--quality: renderer {renderer} has no setting by error; vr help {renderer} lists those that it has, and --target-rmse tries them"
+                "--quality: renderer {renderer} has no setting by error; vr help {renderer} lists those that it has, and --target-rmse E tries them"
             ));
         }
         if self.set.iter().any(|(key, _)| key == QUALITY) {

@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ImageSampling {
     /// Default: [`ImageSampling::Adaptive`] where steps are local and the picture has [`ImageSampling::LARGE`] pixels or more, with a threshold of
-    /// [`ImageSampling::THRESHOLD_PER_ERROR`] times the error that the steps aim at; [`ImageSampling::EveryPixel`] elsewhere.
+    /// [`ImageSampling::THRESHOLD_PER_ERROR`] times the error that the steps aim at, unless a few rays show that more than a third would be traced; [`ImageSampling::EveryPixel`] elsewhere.
     #[default]
     Auto,
     /// The rays of every pixel.

@@ -6,7 +6,7 @@ use super::Connectivity;
 use crate::caster::{EmptySpace, ImageSampling, RayCaster, Rule, Step, Traversal};
 
 /// Help of the option `steps`.
-pub(crate) const STEPS_HELP: &str = "length of steps: uniform; local, as long as what is in each place allows; vicinity, coarse where nothing is visible; homogeneous, long where the medium hardly changes; variance, long also where it changes little in the mean, by an octree of means and variances; tolerance, as a promised error asks for; auto, local where light is followed, else uniform";
+pub(crate) const STEPS_HELP: &str = "length of steps: uniform; local, as long as what is in each place allows; vicinity, coarse where nothing is visible; homogeneous, long where the medium hardly changes; variance, long also where it changes little in the mean, by an octree of means and variances; tolerance, as a promised error asks for; auto, local where light is followed (in large pictures one length for all, where that takes less time), else uniform";
 /// Kinds of steps that have a length.
 pub(crate) const STEPS_OF_ONE_LENGTH: &str = "steps=uniform, vicinity, homogeneous or variance";
 
