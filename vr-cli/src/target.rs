@@ -71,7 +71,7 @@ pub fn draw(
     if !search {
         let usual = renderers::usual(&setup.scene);
         let renderer = renderers::named(args.renderer.as_deref().unwrap_or(usual)).map_err(Failure::usage)?;
-        let aimed = draw_aimed(target, &*renderer, &bounded, (&setup.scene, &setup.view), control);
+        let aimed = draw_aimed(target, &*renderer, &bounded, (&setup.scene, &setup.view), (cache, control));
         if let Some(picture) = aimed.map_err(|e| setup.render_failure(e))? {
             let AimedPicture { renderer, aim, tried, rendered, prepare, render, error } = picture;
             let setting = format!("rmse={}", number::small(aim));

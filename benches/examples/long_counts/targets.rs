@@ -59,25 +59,28 @@ pub fn count(seeds: Range<u64>, out: &Path) -> Result<(), Error> {
         let (cache, start) = (ReferenceCache::none(), Instant::now());
         // As `vr render` does it: a ray caster that aims at the target, and else a search.
         let caster = RayCaster::default();
-        let (name, frame, time, error) = match draw_aimed(target, &caster, &bounded, (&scene, &view), &control)? {
-            Some(aimed) => {
-                let name = format!("{:.1e} in {} pictures", aimed.aim, aimed.tried);
-                (name, aimed.rendered.frame, aimed.prepare + aimed.render, aimed.error)
-            }
-            None => match draw_within(target, &candidates, &bounded, (&scene, &view), &cache, (&control, &|_| ())) {
-                Ok(choice) => {
-                    searched += 1;
-                    let name = candidates[choice.candidate].name();
-                    (name, choice.rendered.frame, choice.prepare + choice.render, choice.error)
+        let (name, frame, time, error) =
+            match draw_aimed(target, &caster, &bounded, (&scene, &view), (&cache, &control))? {
+                Some(aimed) => {
+                    let name = format!("{:.1e} in {} pictures", aimed.aim, aimed.tried);
+                    (name, aimed.rendered.frame, aimed.prepare + aimed.render, aimed.error)
                 }
-                Err(e @ (ChoiceError::OutOfReach { .. } | ChoiceError::NoRenderer)) => {
-                    println!("seed {seed}, {}: {e}", kind.name());
-                    unreached += 1;
-                    continue;
+                None => {
+                    match draw_within(target, &candidates, &bounded, (&scene, &view), &cache, (&control, &|_| ())) {
+                        Ok(choice) => {
+                            searched += 1;
+                            let name = candidates[choice.candidate].name();
+                            (name, choice.rendered.frame, choice.prepare + choice.render, choice.error)
+                        }
+                        Err(e @ (ChoiceError::OutOfReach { .. } | ChoiceError::NoRenderer)) => {
+                            println!("seed {seed}, {}: {e}", kind.name());
+                            unreached += 1;
+                            continue;
+                        }
+                        Err(e) => return Err(e.into()),
+                    }
                 }
-                Err(e) => return Err(e.into()),
-            },
-        };
+            };
         let share = start.elapsed().as_secs_f64() / time.as_secs_f64().max(1e-9);
         let solution = Reference::new(TOLERANCE).solve(&scene, &view, &Model::Canonical, &control)?;
         let rgba: Vec<[f64; 4]> = solution.pixels.iter().map(|pixel| pixel.rgba).collect();

@@ -2,13 +2,14 @@
 
 use std::time::Instant;
 
-use vr_core::{Control, Frame, Options, Prepared, RenderError, Scene, StudiedRenderer, View};
+use vr_core::{Control, Frame, Model, Options, Prepared, RenderError, Scene, StudiedRenderer, View};
 use vr_physics::metrics::subgrid;
 
 use super::judge::MAX_SHARE;
-use super::rmse::{RmseEstimate, mean_square, scale_of};
+use super::rmse::{RmseEstimate, mean_square, scale_of, squares};
 use super::strata::{self, SHARES};
 use super::{AimedPicture, BoundedRenderer};
+use crate::reference::ReferenceCache;
 
 /// Share of the target that is aimed at first: room for what a sample leaves open, and for rays that are left out.
 const FIRST_SHARE: f64 = 0.7;
@@ -22,8 +23,8 @@ const LEAST: f64 = 192.0;
 /// pixels, it is in these.
 const GUIDED: (f64, f64) = (1.0 / 16.0, 1.0 / 8.0);
 
-/// Draws a picture by a renderer that aims at the target, anew and aiming lower until its RMSE is within it, with the confidence of [`super::CONFIDENCE`]; `None` where no renderer can
-/// aim at it or bound the pixels of a sample, or where aiming lower does not help.
+/// Draws a picture by a renderer that aims at the target, anew and aiming lower until its RMSE is within it, with the confidence of [`super::CONFIDENCE`]; `None` where the renderer cannot
+/// aim at it or pixels of the sample are not known, or where aiming lower does not help.
 ///
 /// # Errors
 /// Invalid scene or view, or cancellation.
@@ -32,10 +33,10 @@ pub(super) fn draw(
     renderer: &dyn StudiedRenderer,
     bounded: &[BoundedRenderer],
     (scene, view): (&Scene, &View),
-    control: &Control,
+    (cache, control): (&ReferenceCache, &Control),
 ) -> Result<Option<AimedPicture>, RenderError> {
     let Some(option) = renderer.option_specs().into_iter().find(|option| option.aims) else { return Ok(None) };
-    let Some(mut judge) = Judge::new(target, bounded, scene, control)? else { return Ok(None) };
+    let mut judge = Judge::new(target, bounded, scene, (cache, control))?;
     let mut aim = FIRST_SHARE * target.min(1.0);
     for tried in 1..=TRIES {
         let Ok(aiming) = renderer.with_options(&Options::new().with(option.key, aim)) else { return Ok(None) };
@@ -63,29 +64,74 @@ pub(super) fn draw(
 
 /// Largest part of the sample for which no bound may be found.
 const MAX_UNBOUNDED: f64 = 0.02;
+/// Part of the sample that is solved where that is done by the reference, which takes many times as long.
+const SOLVED: f64 = 0.125;
 
-/// Renderer that proves pixels to be within an error.
-struct Judge {
-    prepared: Box<dyn Prepared>,
-    max_error: f64,
+/// Way to know pixels of a scene.
+enum Judge<'a> {
+    /// By a renderer that proves them to be within an error.
+    Bounded { prepared: Box<dyn Prepared>, max_error: f64 },
+    /// By the reference.
+    Reference { scene: &'a Scene, cache: &'a ReferenceCache },
 }
 
-impl Judge {
-    /// Returns the first bounded renderer that takes the scene.
+/// Pixels that are known: the mean square of each one's errors in a frame, the unit of the picture's errors, and what the pixels themselves are off by, in that unit.
+struct Known {
+    squares: Vec<f64>,
+    scale: f64,
+    error: f64,
+}
+
+impl<'a> Judge<'a> {
+    /// Returns the first bounded renderer that takes the scene, or else the reference.
     fn new(
         target: f64,
         bounded: &[BoundedRenderer],
-        scene: &Scene,
-        control: &Control,
-    ) -> Result<Option<Self>, RenderError> {
+        scene: &'a Scene,
+        (cache, control): (&'a ReferenceCache, &Control),
+    ) -> Result<Self, RenderError> {
         for BoundedRenderer { renderer, max_error } in bounded.iter().filter(|b| b.max_error <= MAX_SHARE * target) {
             match renderer.prepare(scene, control) {
-                Ok(prepared) => return Ok(Some(Self { prepared, max_error: *max_error })),
+                Ok(prepared) => return Ok(Self::Bounded { prepared, max_error: *max_error }),
                 Err(RenderError::Unsupported(_)) => {}
                 Err(other) => return Err(other),
             }
         }
-        Ok(None)
+        Ok(Self::Reference { scene, cache })
+    }
+
+    /// Returns the number of pixels to compare, of a picture of so many.
+    fn sample(&self, all: usize) -> f64 {
+        let count = (all as f64 * COMPARED).max(LEAST);
+        if let Self::Reference { .. } = self { (count * SOLVED).max(0.5 * LEAST) } else { count }
+    }
+
+    /// Compares pixels of a frame; `None` where too many cannot be known.
+    fn compare(
+        &mut self,
+        frame: &Frame,
+        view: &View,
+        places: &[[u32; 2]],
+        control: &Control,
+    ) -> Result<Option<Known>, RenderError> {
+        match self {
+            Self::Bounded { prepared, max_error } => {
+                let Some((proven, counts)) = prepared.pixels(view, places, control)? else { return Ok(None) };
+                // Those without a bound are drawn as well as can be.
+                if counts.unbounded as f64 > MAX_UNBOUNDED * places.len() as f64 {
+                    return Ok(None);
+                }
+                let squares = places.iter().zip(&proven).map(|(&place, pixel)| square(frame, place, pixel)).collect();
+                // The whole picture's largest magnitude is at least that of these pixels.
+                Ok(Some(Known { squares, scale: scale_of(&proven, *max_error), error: *max_error }))
+            }
+            Self::Reference { scene, cache } => {
+                let reference = cache.solve((scene, view), &Model::Canonical, places.to_vec(), control)?;
+                let scale = reference.scale();
+                let squares = squares(&reference, frame).into_iter().map(|square| square * scale * scale).collect();
+                Ok(Some(Known { squares, scale, error: reference.certainty.value() / scale }))
+            }
+        }
     }
 
     /// Returns the RMSE of a frame, by pixels of an even grid and as many of each stratum of pixels that may be wrong; `None` where some cannot be proven.
@@ -100,10 +146,6 @@ impl Judge {
     ) -> Result<Option<RmseEstimate>, RenderError> {
         let (width, all) = (view.size[0] as usize, frame.pixels().len());
         let place = |i: usize| [(i % width) as u32, (i / width) as u32];
-        let square = |i: usize, other: &[f32; 4]| {
-            let found = &frame.pixels()[i];
-            mean_square(std::array::from_fn(|c| f64::from(found[c]) - f64::from(other[c])))
-        };
         // Compare the pixels with the strongest contrasts with the guide.
         let mut suspicion = strata::suspicion(frame, None);
         let foremost = strata::foremost(&suspicion, (GUIDED.0 * all as f64) as usize);
@@ -111,24 +153,20 @@ impl Judge {
         let Some((guided, _)) = guide.pixels(view, &places, control)? else { return Ok(None) };
         let mut known = vec![0.0; all];
         for (&i, guided) in foremost.iter().zip(&guided) {
-            known[i] = square(i, guided);
+            known[i] = square(frame, place(i), guided);
             suspicion[i] = suspicion[i].max(10.0 * (known[i] as f32).sqrt());
         }
         // Prove pixels of all strata.
-        let count = (all as f64 * COMPARED).max(LEAST);
+        let count = self.sample(all);
         let stratum_of = strata::strata(&suspicion);
         let even = subgrid((0.5 * count).sqrt().ceil() as u32, view.size);
         let even = even.into_iter().map(|[x, y]| y as usize * width + x as usize);
         let chosen = strata::sample(&stratum_of, even, (0.5 * count / SHARES as f64).ceil() as usize);
         let places: Vec<[u32; 2]> = chosen.iter().map(|&i| place(i)).collect();
-        let Some((proven, counts)) = self.prepared.pixels(view, &places, control)? else { return Ok(None) };
-        // Those without a bound are drawn as well as can be.
-        if counts.unbounded as f64 > MAX_UNBOUNDED * chosen.len() as f64 {
+        let Some(Known { squares, scale, error }) = self.compare(frame, view, &places, control)? else {
             return Ok(None);
-        }
-        let left: Vec<f64> = chosen.iter().zip(&proven).map(|(&i, proven)| square(i, proven) - known[i]).collect();
-        // The whole picture's largest magnitude is at least that of these pixels.
-        let scale = scale_of(&proven, self.max_error);
+        };
+        let left: Vec<f64> = chosen.iter().zip(&squares).map(|(&i, square)| square - known[i]).collect();
         let (mut mean, mut variance) = (known.iter().sum::<f64>() / all as f64, 0.0);
         for stratum in 0..SHARES as u8 {
             let size = stratum_of.iter().filter(|&&s| s == stratum).count() as f64;
@@ -143,6 +181,12 @@ impl Judge {
             mean += share * own_mean;
             variance += share * share * spread / n * (1.0 - n / size);
         }
-        Ok(Some(RmseEstimate::of_strata((mean.max(0.0), variance), scale, self.max_error, chosen.len())))
+        Ok(Some(RmseEstimate::of_strata((mean.max(0.0), variance), scale, error, chosen.len())))
     }
+}
+
+/// Returns the mean square by which a pixel of a frame differs from another.
+fn square(frame: &Frame, [x, y]: [u32; 2], other: &[f32; 4]) -> f64 {
+    let found = &frame.pixels()[y as usize * frame.size()[0] as usize + x as usize];
+    mean_square(std::array::from_fn(|c| f64::from(found[c]) - f64::from(other[c])))
 }

@@ -108,8 +108,8 @@ const FINALISTS: usize = 12;
 /// Time after which no further candidate is tried.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// Draws a picture by a renderer that aims at an RMSE itself, and judges it by pixels of a sample that a bounded renderer proves: those in which little of the picture can hide its
-/// errors. If it is not within the target, the renderer aims lower. `None` where it cannot aim, no pixels are proven, or aiming lower does not help.
+/// Draws a picture by a renderer that aims at an RMSE itself, and judges it by a sample of pixels in which those that may be wrong are not rare: proven by a bounded renderer, or by the
+/// reference where none takes the scene. If it is not within the target, the renderer aims lower. `None` where it cannot aim, too many pixels are not known, or aiming lower does not help.
 ///
 /// # Errors
 /// Invalid scene or view, or cancellation.
@@ -118,9 +118,9 @@ pub fn draw_aimed(
     renderer: &dyn StudiedRenderer,
     bounded: &[BoundedRenderer],
     seen: (&Scene, &View),
-    control: &Control,
+    (cache, control): (&ReferenceCache, &Control),
 ) -> Result<Option<AimedPicture>, RenderError> {
-    aimed::draw(target, renderer, bounded, seen, control)
+    aimed::draw(target, renderer, bounded, seen, (cache, control))
 }
 
 /// Draws a small picture with every candidate, and a larger one with those that were within the target, to see how their time grows; then
