@@ -201,7 +201,8 @@ fn shows(value: &RaySample) -> bool {
     value.rgba.iter().any(|&c| c > 0.0)
 }
 
-/// Returns the root mean square by which the light of rays differs in steps of two lengths; `None` where too few rays show anything.
+/// Returns the root mean square by which the light of rays differs in steps of two lengths; `None` where too few rays show anything, or some
+/// show what is no number.
 fn rms_difference(fine: &[RaySample], coarse: &[RaySample]) -> Option<f64> {
     let pairs = || fine.iter().zip(coarse);
     let square = |(a, b): (&RaySample, &RaySample)| {
@@ -209,7 +210,7 @@ fn rms_difference(fine: &[RaySample], coarse: &[RaySample]) -> Option<f64> {
     };
     let shown = pairs().filter(|(a, b)| shows(a) || shows(b)).count();
     let sum: f64 = pairs().map(square).sum();
-    (shown >= LEAST_SHOWN).then(|| (sum / (3 * fine.len()) as f64).sqrt())
+    (shown >= LEAST_SHOWN && sum.is_finite()).then(|| (sum / (3 * fine.len()) as f64).sqrt())
 }
 
 /// Returns the part of the rays, of those that show something, that adaptive ones of a threshold would trace, about.

@@ -150,6 +150,23 @@ fn automatic_rays_are_fewer_and_miss_nothing() {
 }
 
 #[test]
+fn pixels_are_drawn_one_by_one() {
+    let (_, scene) = phantom_scenes(32).remove(0);
+    let view = oblique(&scene, 40);
+    for caster in [RayCaster::uniform(0.5), RayCaster { step: Step::ErrorBound(1e-3), ..RayCaster::default() }] {
+        let picture = render(&caster, &scene, &view).frame;
+        let mut prepared = caster.prepare(&scene, &Control::default()).unwrap();
+        let places: Vec<[u32; 2]> = (0..300).map(|i| [i * 7 % 40, i * 11 % 40]).collect();
+        let (pixels, counts) = prepared.pixels(&view, &places, &Control::default()).unwrap().expect("rays are cast");
+        assert!(counts.samples > 0);
+        for (&[x, y], pixel) in places.iter().zip(&pixels) {
+            assert_eq!(picture.pixel(x, y), *pixel, "{x}, {y}");
+        }
+        assert!(prepared.pixels(&view, &[[40, 0]], &Control::default()).is_err());
+    }
+}
+
+#[test]
 fn small_pictures_and_given_steps_have_the_rays_of_every_pixel() {
     let (_, scene) = phantom_scenes(32).remove(0);
     for (caster, side) in [(RayCaster::default(), SIDE - 1), (RayCaster::uniform(1.0), SIDE)] {

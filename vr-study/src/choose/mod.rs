@@ -268,7 +268,7 @@ mod tests {
     use crate::candidate::candidates;
     use crate::reference::ReferencePixels;
     use crate::subject::phantom_subject;
-    use vr_core::Model;
+    use vr_core::{Filter, Model};
     use vr_physics::Reference;
     use vr_physics::metrics::subgrid;
     use vr_raycast::RayCaster;
@@ -311,6 +311,34 @@ mod tests {
             let whole = reference.judge(&choice.rendered.frame).rmse;
             assert!(choice.error.upper <= target && choice.error.rmse <= choice.error.upper, "{name}");
             assert!(whole <= target, "{name}: {whole:.2e} for {target:.0e}");
+        }
+    }
+
+    #[test]
+    fn what_is_aimed_at_is_kept_on_all_pixels() {
+        let control = Control::default();
+        let cache = ReferenceCache::none();
+        for (name, filter) in [("blobs", Filter::Trilinear), ("blobs", Filter::CatmullRom), ("fog", Filter::Trilinear)]
+        {
+            // No renderer bounds the pixels of a wide filter: the reference solves some.
+            let subject = phantom_subject(name, 16, [64, 48]).unwrap();
+            let scene = subject.scene.with_filter(filter);
+            let all = subgrid(u32::MAX, subject.view.size);
+            let reference = ReferencePixels::solve((&scene, &subject.view), &Model::Canonical, all, &control).unwrap();
+            for target in [2e-2, 2e-3] {
+                let seen = (&scene, &subject.view);
+                let caster = RayCaster::default();
+                let aimed = draw_aimed(target, &caster, &bounded(target), seen, (&cache, &control)).unwrap();
+                let aimed = aimed.expect("a ray caster aims");
+                let whole = reference.judge(&aimed.rendered.frame).rmse;
+                assert!(aimed.error.upper <= target && !aimed.error.proven && aimed.aim < target);
+                assert!(whole <= target, "{name}: {whole:.2e} for {target:.0e}");
+                let again = aimed.renderer.prepare(&scene, &control).unwrap().render(&subject.view, &control).unwrap();
+                assert_eq!(again.frame, aimed.rendered.frame, "the renderer is as it drew");
+            }
+            let exact = Reference::default();
+            let none = draw_aimed(1e-2, &exact, &bounded(1e-2), (&scene, &subject.view), (&cache, &control));
+            assert!(none.unwrap().is_none(), "it has no steps to choose");
         }
     }
 
