@@ -21,7 +21,7 @@ use crate::scene_setup::Setup;
 #[derive(Debug, Serialize)]
 pub struct Chosen {
     target_rmse: f64,
-    /// RMSE that the renderer aimed at; absent after a search.
+    /// RMSE that the renderer aimed at, or the largest error of a pixel that it promised; absent after a search.
     #[serde(skip_serializing_if = "Option::is_none")]
     aim: Option<f64>,
     /// The setting's name.
@@ -73,8 +73,9 @@ pub fn draw(
         let renderer = renderers::named(args.renderer.as_deref().unwrap_or(usual)).map_err(Failure::usage)?;
         let aimed = draw_aimed(target, &*renderer, &bounded, (&setup.scene, &setup.view), (cache, control));
         if let Some(picture) = aimed.map_err(|e| setup.render_failure(e))? {
-            let AimedPicture { renderer, aim, tried, rendered, prepare, render, error } = picture;
-            let setting = format!("rmse={}", number::small(aim));
+            let AimedPicture { renderer, aim, tried, rendered, times: [prepare, render], error } = picture;
+            let key = if error.proven { "max-error" } else { "rmse" };
+            let setting = format!("{key}={}", number::small(aim));
             let chosen = Chosen::new(target, (setting, renderer.option_values()), (tried, 1), error, pixels);
             return Ok(Drawn {
                 renderer: renderer.name().to_owned(),
@@ -151,6 +152,11 @@ impl Chosen {
         let Self { setting, tried, within, rmse, rmse_at_most, sample_pixels, pixels, target_rmse, .. } = self;
         let target = number::small(*target_rmse);
         let mut text = match self.aim {
+            Some(_) if self.proven => {
+                format!(
+                    "chosen   {setting}: no pixel is further off, as {tried} aims were not low enough for an RMSE of {target}\n"
+                )
+            }
             Some(_) => format!("chosen   {setting}: steps and rays that aim at this RMSE, for at most {target}\n"),
             None => format!(
                 "chosen   {setting}: expected to be the cheapest of the {within} settings that were within RMSE {target} on a small picture, \

@@ -62,8 +62,9 @@ pub fn count(seeds: Range<u64>, out: &Path) -> Result<(), Error> {
         let (name, frame, time, error) =
             match draw_aimed(target, &caster, &bounded, (&scene, &view), (&cache, &control))? {
                 Some(aimed) => {
-                    let name = format!("{:.1e} in {} pictures", aimed.aim, aimed.tried);
-                    (name, aimed.rendered.frame, aimed.prepare + aimed.render, aimed.error)
+                    let kind = if aimed.error.proven { "promised" } else { "aimed at" };
+                    let name = format!("{kind} {:.1e}, tried {}", aimed.aim, aimed.tried);
+                    (name, aimed.rendered.frame, aimed.times.iter().sum(), aimed.error)
                 }
                 None => {
                     match draw_within(target, &candidates, &bounded, (&scene, &view), &cache, (&control, &|_| ())) {

@@ -1,8 +1,8 @@
 //! Picture by a renderer that aims at an RMSE itself, judged on a sample of its pixels.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use vr_core::{Control, Frame, Model, Options, Prepared, RenderError, Scene, StudiedRenderer, View};
+use vr_core::{Control, Frame, Model, Options, Prepared, RenderError, Rendered, Scene, StudiedRenderer, View};
 use vr_physics::metrics::subgrid;
 
 use super::judge::MAX_SHARE;
@@ -24,7 +24,7 @@ const LEAST: f64 = 192.0;
 const GUIDED: (f64, f64) = (1.0 / 16.0, 1.0 / 8.0);
 
 /// Draws a picture by a renderer that aims at the target, anew and aiming lower until its RMSE is within it, with the confidence of [`super::CONFIDENCE`]; `None` where the renderer cannot
-/// aim at it or pixels of the sample are not known, or where aiming lower does not help.
+/// aim at it, or neither aiming lower nor a promise of every pixel helps.
 ///
 /// # Errors
 /// Invalid scene or view, or cancellation.
@@ -40,26 +40,44 @@ pub(super) fn draw(
     let mut aim = FIRST_SHARE * target.min(1.0);
     for tried in 1..=TRIES {
         let Ok(aiming) = renderer.with_options(&Options::new().with(option.key, aim)) else { return Ok(None) };
-        let start = Instant::now();
-        let mut prepared = match aiming.prepare(scene, control) {
-            Err(RenderError::Unsupported(_)) => return Ok(None),
-            prepared => prepared?,
-        };
-        let prepare = start.elapsed();
-        let start = Instant::now();
-        let rendered = prepared.render(view, control)?;
-        let render = start.elapsed();
+        let Some((rendered, times)) = timed(&*aiming, (scene, view), control)? else { return Ok(None) };
         let Ok(finer) = renderer.with_options(&Options::new().with(option.key, aim * GUIDED.1)) else {
             return Ok(None);
         };
         let mut guide = finer.prepare(scene, control)?;
-        let Some(error) = judge.rmse(&rendered.frame, &mut *guide, view, control)? else { return Ok(None) };
+        let Some(error) = judge.rmse(&rendered.frame, &mut *guide, view, control)? else { break };
         if error.upper <= target {
-            return Ok(Some(AimedPicture { renderer: aiming, aim, tried, rendered, prepare, render, error }));
+            return Ok(Some(AimedPicture { renderer: aiming, aim, tried, rendered, times, error }));
         }
         aim *= (0.7 * target / error.upper).clamp(0.05, 0.5);
     }
-    Ok(None)
+    // No aim is low enough, or nothing bounds some pixels: if every pixel can be promised to be within the target, the RMSE is.
+    let Some(option) = renderer.option_specs().into_iter().find(|option| option.promises) else { return Ok(None) };
+    let promised = target.min(1.0);
+    let Ok(promising) = renderer.with_options(&Options::new().with(option.key, promised)) else { return Ok(None) };
+    let Some((rendered, times)) = timed(&*promising, (scene, view), control)? else { return Ok(None) };
+    if rendered.stats.counts.unbounded > 0 {
+        return Ok(None);
+    }
+    let error = RmseEstimate { rmse: promised, upper: promised, pixels: rendered.frame.pixels().len(), proven: true };
+    Ok(Some(AimedPicture { renderer: promising, aim: promised, tried: TRIES, rendered, times, error }))
+}
+
+/// Draws a picture; returns it with the times of its preparation and of itself, or `None` where the renderer does not take the scene.
+fn timed(
+    renderer: &dyn StudiedRenderer,
+    (scene, view): (&Scene, &View),
+    control: &Control,
+) -> Result<Option<(Rendered, [Duration; 2])>, RenderError> {
+    let start = Instant::now();
+    let mut prepared = match renderer.prepare(scene, control) {
+        Err(RenderError::Unsupported(_)) => return Ok(None),
+        prepared => prepared?,
+    };
+    let prepare = start.elapsed();
+    let start = Instant::now();
+    let rendered = prepared.render(view, control)?;
+    Ok(Some((rendered, [prepare, start.elapsed()])))
 }
 
 /// Largest part of the sample for which no bound may be found.

@@ -64,16 +64,14 @@ pub struct Choice {
 pub struct AimedPicture {
     /// The renderer, as it drew the picture.
     pub renderer: Box<dyn StudiedRenderer>,
-    /// RMSE that it aimed at.
+    /// RMSE that it aimed at; of a picture whose error is proven, the largest error of a pixel that it promised.
     pub aim: f64,
-    /// Number of pictures that were drawn, this one included.
+    /// Number of aims that were tried.
     pub tried: usize,
     /// The picture.
     pub rendered: Rendered,
-    /// Time of the preparation.
-    pub prepare: Duration,
-    /// Time of the picture.
-    pub render: Duration,
+    /// Times of the preparation and of the picture.
+    pub times: [Duration; 2],
     /// The RMSE of the picture.
     pub error: RmseEstimate,
 }
@@ -109,7 +107,7 @@ const FINALISTS: usize = 12;
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Draws a picture by a renderer that aims at an RMSE itself, and judges it by a sample of pixels in which those that may be wrong are not rare: proven by a bounded renderer, or by the
-/// reference where none takes the scene. If it is not within the target, the renderer aims lower. `None` where it cannot aim, too many pixels are not known, or aiming lower does not help.
+/// reference where none takes the scene. If it is not within the target, the renderer aims lower; if that does not help, it promises every pixel. `None` where it can do neither.
 ///
 /// # Errors
 /// Invalid scene or view, or cancellation.
