@@ -154,7 +154,7 @@ impl Chosen {
         let mut text = match self.aim {
             Some(_) if self.proven => {
                 format!(
-                    "chosen   {setting}: no pixel is further off, as {tried} aims were not low enough for an RMSE of {target}\n"
+                    "chosen   {setting}: every pixel is within it, as no aim was seen to keep an RMSE of {target}\n"
                 )
             }
             Some(_) => format!("chosen   {setting}: steps and rays that aim at this RMSE, for at most {target}\n"),

@@ -70,9 +70,9 @@ const GROUPS: [u32; 2] = [8, 6];
 /// Rays of a group, across and down: a packet.
 const ACROSS: usize = 4;
 /// Number of rays that must show something: of fewer, too little is known.
-const LEAST_SHOWN: usize = 64;
+const MIN_SHOWN: usize = 64;
 /// Part of the rays above which adaptive ones take longer than all: packets of scattered rays take two to three times as long.
-const MOST_RAYS: f64 = 1.0 / 3.0;
+const MAX_PART_OF_RAYS: f64 = 1.0 / 3.0;
 
 /// Length of the steps of a class, in voxels.
 ///
@@ -145,7 +145,7 @@ impl Trial {
         };
         Ok(Some(Choice {
             even: if is_better()? { self.engine(local, scene, class) } else { None },
-            every_pixel: part_of_rays(&fine, threshold as f32) > MOST_RAYS,
+            every_pixel: part_of_rays(&fine, threshold as f32) > MAX_PART_OF_RAYS,
         }))
     }
 
@@ -210,7 +210,7 @@ fn rms_difference(fine: &[RaySample], coarse: &[RaySample]) -> Option<f64> {
     };
     let shown = pairs().filter(|(a, b)| shows(a) || shows(b)).count();
     let sum: f64 = pairs().map(square).sum();
-    (shown >= LEAST_SHOWN && sum.is_finite()).then(|| (sum / (3 * fine.len()) as f64).sqrt())
+    (shown >= MIN_SHOWN && sum.is_finite()).then(|| (sum / (3 * fine.len()) as f64).sqrt())
 }
 
 /// Returns the part of the rays, of those that show something, that adaptive ones of a threshold would trace, about.

@@ -7,7 +7,7 @@ use vr_physics::metrics::subgrid;
 
 use super::judge::MAX_SHARE;
 use super::rmse::{RmseEstimate, mean_square, scale_of, squares};
-use super::strata::{self, SHARES};
+use super::strata::{self, STRATA};
 use super::{AimedPicture, BoundedRenderer};
 use crate::reference::ReferenceCache;
 
@@ -15,13 +15,14 @@ use crate::reference::ReferenceCache;
 const FIRST_SHARE: f64 = 0.7;
 /// Number of pictures after which aiming is given up.
 const TRIES: usize = 3;
-/// Part of a picture's pixels that are compared, of an even grid and of the strata together; in small pictures, where it would be too few, [`LEAST`].
+/// Part of a picture's pixels that are compared, of an even grid and of the strata together; in small pictures, where it would be too few, [`MIN_COMPARED`].
 const COMPARED: f64 = 1.0 / 128.0;
 /// Smallest number of pixels that are compared.
-const LEAST: f64 = 192.0;
-/// Part of a picture's pixels, those with the strongest contrasts, that are drawn again by a finer guide, and part of the picture's aim that this guide has: where a picture is wrong in few
-/// pixels, it is in these.
-const GUIDED: (f64, f64) = (1.0 / 16.0, 1.0 / 8.0);
+const MIN_COMPARED: f64 = 192.0;
+/// Part of a picture's pixels, those with the strongest contrasts, that are drawn again by a finer guide: where a picture is wrong in few pixels, it is in these.
+const GUIDED: f64 = 1.0 / 16.0;
+/// Aim of the guide, in aims of the picture.
+const GUIDE_AIM: f64 = 1.0 / 8.0;
 
 /// Draws a picture by a renderer that aims at the target, anew and aiming lower until its RMSE is within it, with the confidence of [`super::CONFIDENCE`]; `None` where the renderer cannot
 /// aim at it, or neither aiming lower nor a promise of every pixel helps.
@@ -36,12 +37,12 @@ pub(super) fn draw(
     (cache, control): (&ReferenceCache, &Control),
 ) -> Result<Option<AimedPicture>, RenderError> {
     let Some(option) = renderer.option_specs().into_iter().find(|option| option.aims) else { return Ok(None) };
-    let mut judge = Judge::new(target, bounded, scene, (cache, control))?;
+    let mut judge = SampleJudge::new(target, bounded, scene, (cache, control))?;
     let mut aim = FIRST_SHARE * target.min(1.0);
     for tried in 1..=TRIES {
         let Ok(aiming) = renderer.with_options(&Options::new().with(option.key, aim)) else { return Ok(None) };
         let Some((rendered, times)) = timed(&*aiming, (scene, view), control)? else { return Ok(None) };
-        let Ok(finer) = renderer.with_options(&Options::new().with(option.key, aim * GUIDED.1)) else {
+        let Ok(finer) = renderer.with_options(&Options::new().with(option.key, aim * GUIDE_AIM)) else {
             return Ok(None);
         };
         let mut guide = finer.prepare(scene, control)?;
@@ -86,7 +87,7 @@ const MAX_UNBOUNDED: f64 = 0.02;
 const SOLVED: f64 = 0.125;
 
 /// Way to know pixels of a scene.
-enum Judge<'a> {
+enum SampleJudge<'a> {
     /// By a renderer that proves them to be within an error.
     Bounded { prepared: Box<dyn Prepared>, max_error: f64 },
     /// By the reference.
@@ -100,7 +101,7 @@ struct Known {
     error: f64,
 }
 
-impl<'a> Judge<'a> {
+impl<'a> SampleJudge<'a> {
     /// Returns the first bounded renderer that takes the scene, or else the reference.
     fn new(
         target: f64,
@@ -120,8 +121,8 @@ impl<'a> Judge<'a> {
 
     /// Returns the number of pixels to compare, of a picture of so many.
     fn sample(&self, all: usize) -> f64 {
-        let count = (all as f64 * COMPARED).max(LEAST);
-        if let Self::Reference { .. } = self { (count * SOLVED).max(0.5 * LEAST) } else { count }
+        let count = (all as f64 * COMPARED).max(MIN_COMPARED);
+        if let Self::Reference { .. } = self { (count * SOLVED).max(0.5 * MIN_COMPARED) } else { count }
     }
 
     /// Compares pixels of a frame; `None` where too many cannot be known.
@@ -166,7 +167,7 @@ impl<'a> Judge<'a> {
         let place = |i: usize| [(i % width) as u32, (i / width) as u32];
         // Compare the pixels with the strongest contrasts with the guide.
         let mut suspicion = strata::suspicion(frame, None);
-        let foremost = strata::foremost(&suspicion, (GUIDED.0 * all as f64) as usize);
+        let foremost = strata::foremost(&suspicion, (GUIDED * all as f64) as usize);
         let places: Vec<[u32; 2]> = foremost.iter().map(|&i| place(i)).collect();
         let Some((guided, _)) = guide.pixels(view, &places, control)? else { return Ok(None) };
         let mut known = vec![0.0; all];
@@ -179,14 +180,14 @@ impl<'a> Judge<'a> {
         let stratum_of = strata::strata(&suspicion);
         let even = subgrid((0.5 * count).sqrt().ceil() as u32, view.size);
         let even = even.into_iter().map(|[x, y]| y as usize * width + x as usize);
-        let chosen = strata::sample(&stratum_of, even, (0.5 * count / SHARES as f64).ceil() as usize);
+        let chosen = strata::sample(&stratum_of, even, (0.5 * count / STRATA as f64).ceil() as usize);
         let places: Vec<[u32; 2]> = chosen.iter().map(|&i| place(i)).collect();
         let Some(Known { squares, scale, error }) = self.compare(frame, view, &places, control)? else {
             return Ok(None);
         };
         let left: Vec<f64> = chosen.iter().zip(&squares).map(|(&i, square)| square - known[i]).collect();
         let (mut mean, mut variance) = (known.iter().sum::<f64>() / all as f64, 0.0);
-        for stratum in 0..SHARES as u8 {
+        for stratum in 0..STRATA as u8 {
             let size = stratum_of.iter().filter(|&&s| s == stratum).count() as f64;
             let own = || chosen.iter().zip(&left).filter(|(i, _)| stratum_of[**i] == stratum).map(|(_, s)| *s);
             let n = own().count() as f64;

@@ -16,7 +16,7 @@ use crate::reference::{ReferenceCache, SUBGRID};
 /// Ends of the strata, as shares of all pixels, the most suspicious first.
 const ENDS: [f64; 5] = [1.0 / 1024.0, 1.0 / 128.0, 1.0 / 16.0, 0.25, 1.0];
 /// Number of strata.
-pub(super) const SHARES: usize = ENDS.len();
+pub(super) const STRATA: usize = ENDS.len();
 /// Number of pixels of each stratum that are solved, beside those of the even subgrid.
 const SAMPLES: usize = 1024;
 
@@ -119,7 +119,7 @@ pub(super) fn strata(suspicion: &[f32]) -> Vec<u8> {
     let mut stratum_of = vec![0; count];
     // The rearmost first: each end parts only what is left before it.
     let mut end = count;
-    for stratum in (1..SHARES).rev() {
+    for stratum in (1..STRATA).rev() {
         let begin = ((ENDS[stratum - 1] * count as f64) as usize).min(end);
         if begin < end {
             ranked[..end].select_nth_unstable_by(begin, |&a, &b| suspicion[b].total_cmp(&suspicion[a]).then(a.cmp(&b)));
@@ -133,7 +133,7 @@ pub(super) fn strata(suspicion: &[f32]) -> Vec<u8> {
 /// Returns up to so many pixels of each stratum at random, and those of an even grid; in ascending order, each once.
 pub(super) fn sample(stratum_of: &[u8], even: impl Iterator<Item = usize>, samples: usize) -> Vec<usize> {
     let mut chosen: Vec<usize> = even.collect();
-    for h in 0..SHARES as u8 {
+    for h in 0..STRATA as u8 {
         // The same in every run: a picture's bound must not depend on the day.
         let mut own: Vec<(u64, usize)> =
             (0..stratum_of.len()).filter(|&i| stratum_of[i] == h).map(|i| (scrambled(i as u64), i)).collect();
