@@ -138,7 +138,7 @@ pub use probe::{Probe, ProbedSample, ProbedStep};
 pub use ray::{IndexRay, Ray, RayPacket, Rays};
 pub use real::Real;
 pub use rectilinear::RectilinearGrid;
-pub use renderer::{MIN_MAX_ERROR, Prepared, Rendered, Renderer};
+pub use renderer::{DrawnPixels, MIN_MAX_ERROR, Prepared, Rendered, Renderer};
 pub use sampler::Sampler;
 pub use scene::{MaxRadiance, Scene};
 pub use shading::{GradientMethod, Light, RayLight, RayShading, Shading};

@@ -122,8 +122,7 @@ pub trait Prepared: Send {
         Ok(None)
     }
 
-    /// Premultiplied linear RGBA of some pixels (x, y) of a view, and the work done for them: those of the picture that every pixel's own rays make. `None` from a renderer whose
-    /// pixels cannot be drawn one by one.
+    /// Draws some pixels (x, y) of a view alone, each as its own rays make it; `None` from a renderer whose pixels cannot be drawn one by one.
     ///
     /// # Errors
     /// Same as for [`Self::render`]; also an error for a pixel that the view does not have.
@@ -132,9 +131,18 @@ pub trait Prepared: Send {
         _view: &View,
         _pixels: &[[u32; 2]],
         _control: &Control,
-    ) -> Result<Option<(Vec<[f32; 4]>, Counts)>, RenderError> {
+    ) -> Result<Option<DrawnPixels>, RenderError> {
         Ok(None)
     }
+}
+
+/// Some pixels of a view, and the work that they took.
+#[derive(Clone, Debug)]
+pub struct DrawnPixels {
+    /// Premultiplied linear RGBA of each, in the order in which they were asked for.
+    pub rgba: Vec<[f32; 4]>,
+    /// The work done for them.
+    pub counts: Counts,
 }
 
 /// A frame and the work that it took.

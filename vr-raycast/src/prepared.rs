@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use vr_core::{
-    Control, Counts, Filter, Layer, Model, ParameterError, Prepared, Probe, Rays, Real, RenderError, Rendered, Scene,
-    View,
+    Control, DrawnPixels, Filter, Layer, Model, ParameterError, Prepared, Probe, Rays, Real, RenderError, Rendered,
+    Scene, View,
 };
 
 use crate::capabilities::{check, check_view};
@@ -145,7 +145,7 @@ impl Prepared for PreparedCaster {
         view: &View,
         pixels: &[[u32; 2]],
         control: &Control,
-    ) -> Result<Option<(Vec<[f32; 4]>, Counts)>, RenderError> {
+    ) -> Result<Option<DrawnPixels>, RenderError> {
         check_view(&self.caster, view)?;
         pixels.iter().try_for_each(|&pixel| check_pixel(view, pixel))?;
         if !self.caster.image_sampling.casts_pixels() {

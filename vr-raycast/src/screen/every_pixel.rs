@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use vr_core::image_order::{ImageSample, in_parallel};
-use vr_core::{Control, Counts, Frame, RenderError, RenderStats, Rendered, View};
+use vr_core::{Control, Counts, DrawnPixels, Frame, RenderError, RenderStats, Rendered, View};
 
 use super::blocks::in_blocks;
 use crate::tracer::{RaySample, Tracer};
@@ -17,22 +17,23 @@ pub(crate) fn every_pixel(tracer: &dyn Tracer, view: &View, control: &Control) -
     Ok(Rendered { frame, stats })
 }
 
-/// Traces the rays of some pixels of a view on all threads; returns their colours.
+/// Traces the rays of some pixels of a view on all threads.
 pub(crate) fn some_pixels(
     tracer: &dyn Tracer,
     view: &View,
     pixels: &[[u32; 2]],
     control: &Control,
-) -> Result<(Vec<[f32; 4]>, Counts), RenderError> {
+) -> Result<DrawnPixels, RenderError> {
     const PART: usize = 64;
     let parts = pixels.len().div_ceil(PART) as u32;
     let traced = in_parallel(control, parts, |part| {
         let from = part as usize * PART;
         traced(tracer, view, &pixels[from..(from + PART).min(pixels.len())])
     })?;
-    let mut all = Counts::default();
-    traced.iter().for_each(|(_, counts)| all += *counts);
-    Ok((traced.into_iter().flat_map(|(values, _)| values).map(|value| value.rgba).collect(), all))
+    let mut counts = Counts::default();
+    traced.iter().for_each(|(_, of_part)| counts += *of_part);
+    let rgba = traced.into_iter().flat_map(|(values, _)| values).map(|value| value.rgba).collect();
+    Ok(DrawnPixels { rgba, counts })
 }
 
 /// Function that draws pixels and returns one value for each.

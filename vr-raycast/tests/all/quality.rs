@@ -157,9 +157,9 @@ fn pixels_are_drawn_one_by_one() {
         let picture = render(&caster, &scene, &view).frame;
         let mut prepared = caster.prepare(&scene, &Control::default()).unwrap();
         let places: Vec<[u32; 2]> = (0..300).map(|i| [i * 7 % 40, i * 11 % 40]).collect();
-        let (pixels, counts) = prepared.pixels(&view, &places, &Control::default()).unwrap().expect("rays are cast");
-        assert!(counts.samples > 0);
-        for (&[x, y], pixel) in places.iter().zip(&pixels) {
+        let drawn = prepared.pixels(&view, &places, &Control::default()).unwrap().expect("rays are cast");
+        assert!(drawn.counts.samples > 0);
+        for (&[x, y], pixel) in places.iter().zip(&drawn.rgba) {
             assert_eq!(picture.pixel(x, y), *pixel, "{x}, {y}");
         }
         assert!(prepared.pixels(&view, &[[40, 0]], &Control::default()).is_err());

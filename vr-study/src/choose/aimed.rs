@@ -135,14 +135,15 @@ impl<'a> SampleJudge<'a> {
     ) -> Result<Option<Known>, RenderError> {
         match self {
             Self::Bounded { prepared, max_error } => {
-                let Some((proven, counts)) = prepared.pixels(view, places, control)? else { return Ok(None) };
+                let Some(proven) = prepared.pixels(view, places, control)? else { return Ok(None) };
                 // Those without a bound are drawn as well as can be.
-                if counts.unbounded as f64 > MAX_UNBOUNDED * places.len() as f64 {
+                if proven.counts.unbounded as f64 > MAX_UNBOUNDED * places.len() as f64 {
                     return Ok(None);
                 }
-                let squares = places.iter().zip(&proven).map(|(&place, pixel)| square(frame, place, pixel)).collect();
+                let squares =
+                    places.iter().zip(&proven.rgba).map(|(&place, pixel)| square(frame, place, pixel)).collect();
                 // The whole picture's largest magnitude is at least that of these pixels.
-                Ok(Some(Known { squares, scale: scale_of(&proven, *max_error), error: *max_error }))
+                Ok(Some(Known { squares, scale: scale_of(&proven.rgba, *max_error), error: *max_error }))
             }
             Self::Reference { scene, cache } => {
                 let reference = cache.solve((scene, view), &Model::Canonical, places.to_vec(), control)?;
@@ -169,9 +170,9 @@ impl<'a> SampleJudge<'a> {
         let mut suspicion = strata::suspicion(frame, None);
         let foremost = strata::foremost(&suspicion, (GUIDED * all as f64) as usize);
         let places: Vec<[u32; 2]> = foremost.iter().map(|&i| place(i)).collect();
-        let Some((guided, _)) = guide.pixels(view, &places, control)? else { return Ok(None) };
+        let Some(guided) = guide.pixels(view, &places, control)? else { return Ok(None) };
         let mut known = vec![0.0; all];
-        for (&i, guided) in foremost.iter().zip(&guided) {
+        for (&i, guided) in foremost.iter().zip(&guided.rgba) {
             known[i] = square(frame, place(i), guided);
             suspicion[i] = suspicion[i].max(10.0 * (known[i] as f32).sqrt());
         }
