@@ -45,6 +45,16 @@ impl NearDepths {
         nearest.iter().any(|&depth| depth < f64::INFINITY).then_some(nearest)
     }
 
+    /// True if nothing can be seen in the pixels of the view from `low` to `high`, both included.
+    pub(crate) fn is_clear(&self, low: [u32; 2], high: [u32; 2]) -> bool {
+        let [left, right] = [low[0] / TILE, high[0] / TILE].map(|x| x as usize);
+        let mut rows = low[1] / TILE..=high[1] / TILE;
+        rows.all(|row| {
+            let tiles = (row * self.across) as usize;
+            self.depth[tiles + left..=tiles + right].iter().all(|&depth| depth == f64::INFINITY)
+        })
+    }
+
     /// Returns all tiles.
     pub(crate) fn whole(&mut self) -> Band<'_> {
         Band { first: 0, across: self.across, depth: &mut self.depth }
@@ -91,6 +101,25 @@ impl Band<'_> {
             for depth in &mut self.depth[tiles] {
                 *depth = depth.min(footprint.depth);
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_are_clear_where_no_box_is() {
+        let mut near = NearDepths::nothing([50, 30]);
+        assert!(near.is_clear([0, 0], [49, 29]));
+        // Pixels 12 to 19 of rows 8 to 11.
+        near.whole().put(&Footprint { low: [3, 2], high: [4, 2], depth: 7.0 });
+        for (low, high) in [([0, 0], [11, 29]), ([20, 8], [49, 11]), ([0, 0], [49, 7]), ([0, 12], [49, 29])] {
+            assert!(near.is_clear(low, high), "{low:?}");
+        }
+        for (low, high) in [([0, 0], [49, 29]), ([19, 11], [40, 29]), ([12, 8], [12, 8]), ([0, 0], [12, 8])] {
+            assert!(!near.is_clear(low, high), "{low:?}");
         }
     }
 }

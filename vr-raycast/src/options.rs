@@ -43,6 +43,8 @@ const TOLERANCE: Step = Step::ErrorBound(4e-3);
 /// Kinds of steps, with the numbers that they have where none are given.
 const STEPS: [(&str, Step); 4] =
     [("auto", Step::Auto), ("uniform", UNIFORM), ("local", LOCAL), ("tolerance", TOLERANCE)];
+/// Quality of any RMSE, with the one that it has where none is given.
+const RMSE: Quality = Quality::Rmse(Step::ERROR);
 /// Default threshold of adaptive rays. Their RMSE is a twentieth of it or less: about the error of default steps.
 const ADAPTIVE: ImageSampling = ImageSampling::Adaptive { threshold: 0.05 };
 
@@ -120,16 +122,16 @@ fn other_options() -> [DeclaredOption<RayCaster>; 13] {
     [
         DeclaredOption::<RayCaster>::choice(
             "quality",
-            "RMSE of the picture that automatic steps and rays aim at: draft 0.004 (a level of 8 bits), normal 0.001 (as much as rounding to 8 bits adds), fine 0.00025; where steps are uniform, their length: 0.5, 0.2, 0.1",
-            Quality::ALL.map(|quality| (quality.name(), quality)),
-            |c| if let Quality::Rmse(_) = c.quality { Quality::default() } else { c.quality },
+            "RMSE of the picture that automatic steps and rays aim at: draft 0.004 (a level of 8 bits), normal 0.001 (as much as rounding to 8 bits adds), fine 0.00025, rmse any; where steps are uniform, their length: 0.5, 0.2, 0.1",
+            Quality::ALL.into_iter().chain([RMSE]).map(|quality| (quality.name(), quality)),
+            |c| if let Quality::Rmse(_) = c.quality { RMSE } else { c.quality },
             |c, quality| c.quality = quality,
         )
         .refuse("steps are given: needs steps=auto", |c| c.quality != Quality::default() && c.step != Step::Auto),
         DeclaredOption::number_only_with(
-            ("rmse", "RMSE of the picture that automatic steps and rays aim at, in place of a quality"),
+            ("rmse", "RMSE of the picture that automatic steps and rays aim at"),
             NumberRange::above(0.0).up_to(1.0),
-            ("steps=auto", |c: &mut RayCaster| c.quality = Quality::Rmse(Quality::default().error())),
+            ("quality=rmse", |c: &mut RayCaster| c.quality = RMSE),
             |c| if let Quality::Rmse(error) = c.quality { Some(error) } else { None },
             |c: &mut RayCaster, error| c.quality = Quality::Rmse(error),
         )

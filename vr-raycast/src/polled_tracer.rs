@@ -38,6 +38,10 @@ impl Tracer for PolledTracer<'_> {
             self.inner.trace(spots, starts, values, counts);
         }
     }
+
+    fn is_clear(&self, low: [u32; 2], high: [u32; 2]) -> bool {
+        self.inner.is_clear(low, high)
+    }
 }
 
 #[cfg(test)]

@@ -11,6 +11,11 @@ pub(crate) trait Tracer: Sync {
     ///
     /// `starts`, where given, has for each ray a step of its lattice before which nothing is visible.
     fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts);
+
+    /// True if rays through the pixels from `low` to `high`, both included, are known to show nothing.
+    fn is_clear(&self, _low: [u32; 2], _high: [u32; 2]) -> bool {
+        false
+    }
 }
 
 /// Result of a ray.

@@ -232,10 +232,14 @@ pub enum Quality {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Renderer")]
 pub struct TargetArgs {
-    /// Draw a picture whose RMSE is at most E, with a confidence of 95 %: steps that aim at it, checked on a sample of pixels. Where the renderer cannot aim at an error, --search
+    /// Draw a picture whose RMSE is at most E, with a confidence of 95 %
+    ///
+    /// Steps aim at it, and a sample of the pixels is checked. Where the renderer cannot aim at an error, as with --search.
     #[arg(long, value_name = "E", conflicts_with_all = ["set", "max_error", "quality"])]
     pub target_rmse: Option<f64>,
-    /// With --target-rmse: try all settings of all renderers, or of the named one, and prove the RMSE on every pixel where that can be done. It takes hundreds of times as long as the picture
+    /// With --target-rmse: try all settings of all renderers, or of the named one
+    ///
+    /// The RMSE is proven on every pixel where that can be done. It takes hundreds of times as long as the picture.
     #[arg(long, requires = "target_rmse")]
     pub search: bool,
 }

@@ -18,15 +18,16 @@ pub enum Quality {
 }
 
 impl Quality {
-    /// Those that have a name, from the quickest to the best.
+    /// Those of a fixed RMSE, from the quickest to the best.
     pub const ALL: [Self; 3] = [Self::Draft, Self::Normal, Self::Fine];
 
-    /// Returns the name that options use; that of the default for one that has none.
+    /// Returns the name that options use.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Draft => "draft",
-            Self::Normal | Self::Rmse(_) => "normal",
+            Self::Normal => "normal",
             Self::Fine => "fine",
+            Self::Rmse(_) => "rmse",
         }
     }
 

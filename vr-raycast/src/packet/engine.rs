@@ -318,6 +318,11 @@ impl Tracer for PacketFrame<'_> {
             vector::run(engine.level, Trace { frame: &frame, medium: &medium, spots, starts, values, counts });
         });
     }
+
+    fn is_clear(&self, low: [u32; 2], high: [u32; 2]) -> bool {
+        // A layer shows where the volume does not.
+        self.layer.is_none() && self.near.as_ref().is_some_and(|near| near.is_clear(low, high))
+    }
 }
 
 impl PacketFrame<'_> {

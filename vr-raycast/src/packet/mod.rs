@@ -2,7 +2,8 @@
 //!
 //! A packet is set up in f64 ([`setup`]) and marched in f32, each ray at its own pace: in steps of one length, over what is clear by whole
 //! steps of its lattice ([`march`]), or in steps of the length that each place asks for ([`local`]); in [`segments`] of either kind where a rule integrates over
-//! all values of a step; or in steps [`listed`] for each ray, where a field jumps. A ray does not see its company: no bit of it depends on which others are in the packet. Nor does any on the instructions ([`level`]): nothing is fused, and logarithm and
+//! all values of a step; or in steps [`listed`] for each ray, where a field jumps. Which of the first two, how long steps are, and whether every
+//! pixel has its ray, a [`trial`] chooses for each large picture. A ray does not see its company: no bit of it depends on which others are in the packet. Nor does any on the instructions ([`level`]): nothing is fused, and logarithm and
 //! exponential are our own ([`vr_kernels::vector`]).
 //!
 //! # What it took

@@ -13,7 +13,11 @@ const TILE: u32 = 32;
 /// Traces every ray of a view, tile by tile on all threads. The picture does not depend on their number.
 pub(crate) fn every_pixel(tracer: &dyn Tracer, view: &View, control: &Control) -> Result<Rendered, RenderError> {
     let mut stats = RenderStats::default();
-    let frame = by_tiles(view, control, &mut stats, &|pixels| traced(tracer, view, pixels))?;
+    let frame = by_tiles(view, control, &mut stats, &|pixels| match (pixels.first(), pixels.last()) {
+        // Pixels without a value are left as they are: clear.
+        (Some(&low), Some(&high)) if tracer.is_clear(low, high) => (Vec::new(), Counts::default()),
+        _ => traced(tracer, view, pixels),
+    })?;
     Ok(Rendered { frame, stats })
 }
 
@@ -36,10 +40,10 @@ pub(crate) fn some_pixels(
     Ok(DrawnPixels { rgba, counts })
 }
 
-/// Function that draws pixels and returns one value for each.
+/// Function that draws pixels and returns one value for each, or none if they are clear.
 type DrawTile<'a> = &'a (dyn Fn(&[[u32; 2]]) -> (Vec<RaySample>, Counts) + Sync);
 
-/// Draws a view tile by tile on all threads: `draw` is handed the pixels of a tile and returns one value for each.
+/// Draws a view tile by tile on all threads: `draw` is handed the pixels of a tile, block by block, and returns one value for each, or none if they are clear.
 pub(crate) fn by_tiles(
     view: &View,
     control: &Control,
@@ -56,7 +60,7 @@ pub(crate) fn by_tiles(
         })
     })?;
     let [w, h] = view.size.map(|n| n as usize);
-    let (mut rgba, mut depth) = (vec![[0.0; 4]; w * h], vec![0.0; w * h]);
+    let (mut rgba, mut depth) = (vec![[0.0; 4]; w * h], vec![f32::INFINITY; w * h]);
     results.iter().for_each(|(_, _, counts)| stats.counts += *counts);
     stats.time("image", || {
         // Rows of tiles are rows of the picture.

@@ -50,8 +50,8 @@ fn tiles_end_between_packets() {
     end(uniform(1e-4), &scene, &large);
     let picked = Scene { compositing: vr_core::Compositing::Average, ..scene.clone() };
     end(uniform(1e-4), &picked, &large);
-    // A million rays for a tile of the picture.
-    let supersampled = View { supersampling: 32, ..large.clone() };
+    // A million rays for a tile of the picture, of which even adaptive rays leave many.
+    let supersampled = View { supersampling: 32, ..view(&scene, 30.0, 20.0, None, 4096) };
     end(Options::new(), &scene, &supersampled);
     end(Options::new().with("max-error", 1e-6), &scene, &supersampled);
 }

@@ -160,7 +160,10 @@ fn pixels_are_drawn_one_by_one() {
         let drawn = prepared.pixels(&view, &places, &Control::default()).unwrap().expect("rays are cast");
         assert!(drawn.counts.samples > 0);
         for (&[x, y], pixel) in places.iter().zip(&drawn.rgba) {
-            assert_eq!(picture.pixel(x, y), *pixel, "{x}, {y}");
+            // Steps of a promise depend on the rays beside; both pixels keep it.
+            let allowed = caster.max_error().map_or(0.0, |error| 2.0 * error as f32);
+            let off = (0..4).map(|c| (picture.pixel(x, y)[c] - pixel[c]).abs()).fold(0.0, f32::max);
+            assert!(off <= allowed, "{x}, {y}: {off}");
         }
         assert!(prepared.pixels(&view, &[[40, 0]], &Control::default()).is_err());
     }

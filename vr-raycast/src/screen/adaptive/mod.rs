@@ -11,7 +11,7 @@ use crate::tracer::Tracer;
 use canvas::Canvas;
 use cells::Cells;
 
-/// Distance of the first rays in pixels, which is also that of the tiles of [`ThinParts`]. A detail that is smaller and lies between them is found by these
+/// Distance of the first rays in pixels, which is also that of the tiles of [`ThinParts`](crate::thin_parts::ThinParts). A detail that is smaller and lies between them is found by these
 /// alone. With 8 instead, 3 % of
 /// the pixels' rays were saved at most, and more was missed.
 pub(crate) const COARSE: usize = 4;
@@ -29,7 +29,7 @@ const MOSTLY: f64 = 0.9;
 ///
 /// A cell may hold something small even though its corners lie on a line: it stands between the rays. Three things find most of it. First, the neighbours of
 /// a cell that is refined are refined, too. Second, where the picture bends at the side of a refined cell, refinement goes on beyond that side, two pixels at
-/// a time, until nothing bends: one ray that meets a thin line finds all of it. Third, every pixel is traced in cells in which [`ThinParts`] show. How much is
+/// a time, until nothing bends: one ray that meets a thin line finds all of it. Third, every pixel is traced in cells in which [`ThinParts`](crate::thin_parts::ThinParts) show. How much is
 /// still missed is measured by the tests.
 ///
 /// If nearly all cells that show anything are to be refined, and nothing is known of what follows, every pixel in them is traced at once: packets of neighbouring pixels are so much faster than
