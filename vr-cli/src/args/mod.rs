@@ -240,7 +240,7 @@ pub struct TargetArgs {
     /// With --target-rmse: try all settings of all renderers, or of the named one
     ///
     /// The RMSE is proven on every pixel where that can be done. It takes hundreds of times as long as the picture.
-    #[arg(long, requires = "target_rmse")]
+    #[arg(long, requires = "target_rmse", hide_short_help = true)]
     pub search: bool,
 }
 
