@@ -1,7 +1,9 @@
 //! `vr render --target-rmse`.
 
+use std::time::Duration;
+
 use serde::Serialize;
-use vr_core::{Control, MIN_MAX_ERROR, Options, StudiedRenderer};
+use vr_core::{Control, MIN_MAX_ERROR, Options, Rendered, StudiedRenderer};
 use vr_study::candidate::candidates;
 use vr_study::choose::{
     AimedPicture, BoundedRenderer, CONFIDENCE, Choice, ChoiceError, RmseEstimate, draw_aimed, draw_within,
@@ -73,20 +75,11 @@ pub fn draw(
         let renderer = renderers::named(args.renderer.as_deref().unwrap_or(usual)).map_err(Failure::usage)?;
         let aimed = draw_aimed(target, &*renderer, &bounded, (&setup.scene, &setup.view), (cache, control));
         if let Some(picture) = aimed.map_err(|e| setup.render_failure(e))? {
-            let AimedPicture { renderer, aim, tried, rendered, times: [prepare, render], error } = picture;
+            let AimedPicture { renderer, aim, tried, rendered, times, error } = picture;
             let key = if error.proven { "max-error" } else { "rmse" };
             let setting = format!("{key}={}", number::small(aim));
             let chosen = Chosen::new(target, (setting, renderer.option_values()), (tried, 1), error, pixels);
-            return Ok(Drawn {
-                renderer: renderer.name().to_owned(),
-                frame: rendered.frame,
-                counts: rendered.stats.counts,
-                prepare,
-                render,
-                error_bound: None,
-                stated: StatedRenderer::of(&*renderer, None),
-                chosen: Some(Chosen { aim: Some(aim), ..chosen }),
-            });
+            return Ok(drawn(&*renderer, rendered, times, Chosen { aim: Some(aim), ..chosen }));
         }
     }
     let only: Vec<String> = args.renderer.iter().cloned().collect();
@@ -99,7 +92,7 @@ pub fn draw(
         ChoiceError::Render(e) => setup.render_failure(e),
         other => Failure::failed(other),
     })?;
-    let Choice { candidate, rendered, prepare, render, error, trials, missed } = choice;
+    let Choice { candidate, rendered, times, error, trials, missed } = choice;
     let winner = &candidates[candidate];
     let within = trials.iter().filter(|r| r.error.upper <= target).count();
     let setting = (winner.setting.clone(), winner.options.clone());
@@ -107,18 +100,26 @@ pub fn draw(
         disappointed: missed.iter().map(|(i, e)| (candidates[*i].name(), e.upper)).collect(),
         ..Chosen::new(target, setting, (trials.len(), within), error, pixels)
     };
-    let stated = StatedRenderer::of(&*winner.configured, None);
-    let (renderer, counts) = (winner.renderer.clone(), rendered.stats.counts);
-    Ok(Drawn {
-        renderer,
+    Ok(drawn(&*winner.configured, rendered, times, chosen))
+}
+
+/// Returns the picture that was chosen, with all that is told of it.
+fn drawn(
+    renderer: &dyn StudiedRenderer,
+    rendered: Rendered,
+    [prepare, render]: [Duration; 2],
+    chosen: Chosen,
+) -> Drawn {
+    Drawn {
+        renderer: renderer.name().to_owned(),
+        counts: rendered.stats.counts,
         frame: rendered.frame,
-        counts,
         prepare,
         render,
         error_bound: None,
+        stated: StatedRenderer::of(renderer, None),
         chosen: Some(chosen),
-        stated,
-    })
+    }
 }
 
 impl Chosen {
@@ -165,6 +166,11 @@ impl Chosen {
         };
         for (name, rmse) in &self.disappointed {
             text += &format!("         not {name}: the RMSE of its whole picture may be {}\n", number::small(*rmse));
+        }
+        if self.aim.is_some() && self.proven {
+            // A promise tells no RMSE of its own.
+            return text
+                + &format!("target   RMSE at most {} on all {pixels} pixels, proven\n", number::small(*rmse_at_most));
         }
         let certainty = if self.proven {
             "proven".to_owned()

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use vr_core::{Control, MIN_MAX_ERROR, Model, Renderer, StudiedRenderer, View};
 use vr_physics::Reference;
@@ -58,31 +58,30 @@ pub fn count(seeds: Range<u64>, out: &Path) -> Result<(), Error> {
         let bounded = [BoundedRenderer { renderer: promising, max_error }];
         let (cache, start) = (ReferenceCache::none(), Instant::now());
         // As `vr render` does it: a ray caster that aims at the target, and else a search.
-        let caster = RayCaster::default();
-        let (name, frame, time, error) =
-            match draw_aimed(target, &caster, &bounded, (&scene, &view), (&cache, &control))? {
-                Some(aimed) => {
-                    let kind = if aimed.error.proven { "promised" } else { "aimed at" };
-                    let name = format!("{kind} {:.1e}, tried {}", aimed.aim, aimed.tried);
-                    (name, aimed.rendered.frame, aimed.times.iter().sum(), aimed.error)
-                }
-                None => {
-                    match draw_within(target, &candidates, &bounded, (&scene, &view), &cache, (&control, &|_| ())) {
-                        Ok(choice) => {
-                            searched += 1;
-                            let name = candidates[choice.candidate].name();
-                            (name, choice.rendered.frame, choice.prepare + choice.render, choice.error)
-                        }
-                        Err(e @ (ChoiceError::OutOfReach { .. } | ChoiceError::NoRenderer)) => {
-                            println!("seed {seed}, {}: {e}", kind.name());
-                            unreached += 1;
-                            continue;
-                        }
-                        Err(e) => return Err(e.into()),
-                    }
-                }
-            };
-        let share = start.elapsed().as_secs_f64() / time.as_secs_f64().max(1e-9);
+        let seen = (&scene, &view);
+        let aimed = draw_aimed(target, &RayCaster::default(), &bounded, seen, (&cache, &control))?;
+        let drawn = match aimed {
+            Some(aimed) => {
+                let kind = if aimed.error.proven { "promised" } else { "aimed at" };
+                let name = format!("{kind} {:.1e}, tried {}", aimed.aim, aimed.tried);
+                Ok((name, aimed.rendered.frame, aimed.times, aimed.error))
+            }
+            None => {
+                searched += 1;
+                let choice = draw_within(target, &candidates, &bounded, seen, &cache, (&control, &|_| ()));
+                choice.map(|c| (candidates[c.candidate].name(), c.rendered.frame, c.times, c.error))
+            }
+        };
+        let (name, frame, times, error) = match drawn {
+            Ok(drawn) => drawn,
+            Err(e @ (ChoiceError::OutOfReach { .. } | ChoiceError::NoRenderer)) => {
+                println!("seed {seed}, {}: {e}", kind.name());
+                unreached += 1;
+                continue;
+            }
+            Err(e) => return Err(e.into()),
+        };
+        let share = start.elapsed().as_secs_f64() / times.iter().sum::<Duration>().as_secs_f64().max(1e-9);
         let solution = Reference::new(TOLERANCE).solve(&scene, &view, &Model::Canonical, &control)?;
         let rgba: Vec<[f64; 4]> = solution.pixels.iter().map(|pixel| pixel.rgba).collect();
         let rmse = Metrics::of(&rgba, frame.pixels()).rmse;

@@ -213,10 +213,10 @@ fn rms_difference(fine: &[RaySample], coarse: &[RaySample]) -> Option<f64> {
     (shown >= MIN_SHOWN && sum.is_finite()).then(|| (sum / (3 * fine.len()) as f64).sqrt())
 }
 
-/// Returns the part of the rays, of those that show something, that adaptive ones of a threshold would trace, about.
+/// Estimates how many of the rays that show something adaptive ones of a threshold would trace, as a part of all.
 ///
-/// Of each sixteen pixels they trace one first; three more where the picture bends by more than the threshold; and the other twelve where it still does at half
-/// the distance, where bends of smooth pictures are a quarter.
+/// Adaptive rays begin with one pixel in sixteen. They add three where the picture bends by more than the threshold, and the remaining twelve where it still does at half the spacing. A smooth
+/// picture bends a quarter as much there, so that this is a bend of four thresholds now.
 fn part_of_rays(groups: &[RaySample], threshold: f32) -> f64 {
     let (mut shown, mut bent, mut sharp) = (0, 0, 0);
     for group in groups.chunks_exact(ACROSS * ACROSS) {

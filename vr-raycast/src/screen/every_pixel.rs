@@ -14,7 +14,7 @@ const TILE: u32 = 32;
 pub(crate) fn every_pixel(tracer: &dyn Tracer, view: &View, control: &Control) -> Result<Rendered, RenderError> {
     let mut stats = RenderStats::default();
     let frame = by_tiles(view, control, &mut stats, &|pixels| match (pixels.first(), pixels.last()) {
-        // Pixels without a value are left as they are: clear.
+        // The first and the last pixel of a tile are two of its corners. Pixels without a value stay clear.
         (Some(&low), Some(&high)) if tracer.is_clear(low, high) => (Vec::new(), Counts::default()),
         _ => traced(tracer, view, pixels),
     })?;

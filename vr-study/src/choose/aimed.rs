@@ -1,18 +1,16 @@
 //! Picture by a renderer that aims at an RMSE itself, judged on a sample of its pixels.
 
-use std::time::{Duration, Instant};
-
-use vr_core::{Control, Frame, Model, Options, Prepared, RenderError, Rendered, Scene, StudiedRenderer, View};
+use vr_core::{Control, Frame, Model, Options, Prepared, RenderError, Scene, StudiedRenderer, View};
 use vr_physics::metrics::subgrid;
 
-use super::judge::MAX_SHARE;
-use super::rmse::{RmseEstimate, mean_square, scale_of, squares};
+use super::judge::preparing;
+use super::rmse::{QUANTILE, RmseEstimate, mean_and_variance, mean_square, scale_of, squares};
 use super::strata::{self, STRATA};
-use super::{AimedPicture, BoundedRenderer};
+use super::{AimedPicture, BoundedRenderer, drawn_once};
 use crate::reference::ReferenceCache;
 
-/// Share of the target that is aimed at first: room for what a sample leaves open, and for rays that are left out.
-const FIRST_SHARE: f64 = 0.7;
+/// Share of the target that is aimed at: room for what a sample leaves open, and for rays that are left out.
+const AIM_SHARE: f64 = 0.7;
 /// Number of pictures after which aiming is given up.
 const TRIES: usize = 3;
 /// Part of a picture's pixels that are compared, of an even grid and of the strata together; in small pictures, where it would be too few, [`MIN_COMPARED`].
@@ -38,10 +36,10 @@ pub(super) fn draw(
 ) -> Result<Option<AimedPicture>, RenderError> {
     let Some(option) = renderer.option_specs().into_iter().find(|option| option.aims) else { return Ok(None) };
     let mut judge = SampleJudge::new(target, bounded, scene, (cache, control))?;
-    let mut aim = FIRST_SHARE * target.min(1.0);
+    let mut aim = AIM_SHARE * target.min(1.0);
     for tried in 1..=TRIES {
         let Ok(aiming) = renderer.with_options(&Options::new().with(option.key, aim)) else { return Ok(None) };
-        let Some((rendered, times)) = timed(&*aiming, (scene, view), control)? else { return Ok(None) };
+        let Some((rendered, times)) = taken(drawn_once(&*aiming, (scene, view), control))? else { return Ok(None) };
         let Ok(finer) = renderer.with_options(&Options::new().with(option.key, aim * GUIDE_AIM)) else {
             return Ok(None);
         };
@@ -50,13 +48,13 @@ pub(super) fn draw(
         if error.upper <= target {
             return Ok(Some(AimedPicture { renderer: aiming, aim, tried, rendered, times, error }));
         }
-        aim *= (0.7 * target / error.upper).clamp(0.05, 0.5);
+        aim *= (AIM_SHARE * target / error.upper).clamp(0.05, 0.5);
     }
     // No aim is low enough, or nothing bounds some pixels: if every pixel can be promised to be within the target, the RMSE is.
     let Some(option) = renderer.option_specs().into_iter().find(|option| option.promises) else { return Ok(None) };
     let promised = target.min(1.0);
     let Ok(promising) = renderer.with_options(&Options::new().with(option.key, promised)) else { return Ok(None) };
-    let Some((rendered, times)) = timed(&*promising, (scene, view), control)? else { return Ok(None) };
+    let Some((rendered, times)) = taken(drawn_once(&*promising, (scene, view), control))? else { return Ok(None) };
     if rendered.stats.counts.unbounded > 0 {
         return Ok(None);
     }
@@ -64,21 +62,12 @@ pub(super) fn draw(
     Ok(Some(AimedPicture { renderer: promising, aim: promised, tried: TRIES, rendered, times, error }))
 }
 
-/// Draws a picture; returns it with the times of its preparation and of itself, or `None` where the renderer does not take the scene.
-fn timed(
-    renderer: &dyn StudiedRenderer,
-    (scene, view): (&Scene, &View),
-    control: &Control,
-) -> Result<Option<(Rendered, [Duration; 2])>, RenderError> {
-    let start = Instant::now();
-    let mut prepared = match renderer.prepare(scene, control) {
-        Err(RenderError::Unsupported(_)) => return Ok(None),
-        prepared => prepared?,
-    };
-    let prepare = start.elapsed();
-    let start = Instant::now();
-    let rendered = prepared.render(view, control)?;
-    Ok(Some((rendered, [prepare, start.elapsed()])))
+/// Returns what was drawn; `None` where the renderer does not take the scene.
+fn taken<T>(drawn: Result<T, RenderError>) -> Result<Option<T>, RenderError> {
+    match drawn {
+        Err(RenderError::Unsupported(_)) => Ok(None),
+        drawn => drawn.map(Some),
+    }
 }
 
 /// Largest part of the sample for which no bound may be found.
@@ -109,12 +98,8 @@ impl<'a> SampleJudge<'a> {
         scene: &'a Scene,
         (cache, control): (&'a ReferenceCache, &Control),
     ) -> Result<Self, RenderError> {
-        for BoundedRenderer { renderer, max_error } in bounded.iter().filter(|b| b.max_error <= MAX_SHARE * target) {
-            match renderer.prepare(scene, control) {
-                Ok(prepared) => return Ok(Self::Bounded { prepared, max_error: *max_error }),
-                Err(RenderError::Unsupported(_)) => {}
-                Err(other) => return Err(other),
-            }
+        if let Some(first) = preparing(target, bounded, scene, control).next() {
+            return first.map(|(prepared, max_error)| Self::Bounded { prepared, max_error });
         }
         Ok(Self::Reference { scene, cache })
     }
@@ -156,7 +141,8 @@ impl<'a> SampleJudge<'a> {
 
     /// Returns the RMSE of a frame, by pixels of an even grid and as many of each stratum of pixels that may be wrong; `None` where some cannot be proven.
     ///
-    /// Of the pixels with the strongest contrasts, all are compared with a guide: their mean of squares is that from the guide, and what the sample says that it is wrong by.
+    /// All pixels with the strongest contrasts are compared with a guide as well, which is nearly right. There the sample only has to tell by how much the squares from the guide are wrong, and that
+    /// varies far less than the squares themselves (a difference estimator).
     fn rmse(
         &mut self,
         frame: &Frame,
@@ -188,20 +174,18 @@ impl<'a> SampleJudge<'a> {
         };
         let left: Vec<f64> = chosen.iter().zip(&squares).map(|(&i, square)| square - known[i]).collect();
         let (mut mean, mut variance) = (known.iter().sum::<f64>() / all as f64, 0.0);
-        for stratum in 0..STRATA as u8 {
-            let size = stratum_of.iter().filter(|&&s| s == stratum).count() as f64;
-            let own = || chosen.iter().zip(&left).filter(|(i, _)| stratum_of[**i] == stratum).map(|(_, s)| *s);
-            let n = own().count() as f64;
-            if n == 0.0 {
+        for (size, own) in strata::by_stratum(&stratum_of, &chosen, &left) {
+            if own.is_empty() {
                 continue;
             }
-            let share = size / all as f64;
-            let own_mean = own().sum::<f64>() / n;
-            let spread = own().map(|s| (s - own_mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+            let (share, n) = (size as f64 / all as f64, own.len() as f64);
+            let [own_mean, spread] = mean_and_variance(&own);
             mean += share * own_mean;
-            variance += share * share * spread / n * (1.0 - n / size);
+            variance += share * share * spread / n * (1.0 - n / size as f64);
         }
-        Ok(Some(RmseEstimate::of_strata((mean.max(0.0), variance), scale, error, chosen.len())))
+        let mean = mean.max(0.0);
+        let upper = mean + QUANTILE * variance.sqrt();
+        Ok(Some(RmseEstimate::of_means([mean, upper], (scale, error), chosen.len())))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use vr_core::{Control, Frame, Model, RenderError, Scene, View};
+use vr_core::{Control, Frame, Model, Prepared, RenderError, Scene, View};
 use vr_physics::metrics::subgrid;
 
 use super::BoundedRenderer;
@@ -26,7 +26,7 @@ pub(super) enum Judge {
 }
 
 /// Largest share of the target that a proven picture's own error may be.
-pub(super) const MAX_SHARE: f64 = 0.25;
+const MAX_SHARE: f64 = 0.25;
 /// Number of parts along each side of the small picture, of each of which a pixel is compared with the reference.
 const SMALL_SUBGRID: u32 = 40;
 /// Longest time in which the reference pixels of a whole picture are solved.
@@ -78,11 +78,11 @@ impl Judge {
         (scene, view): (&Scene, &View),
         control: &Control,
     ) -> Result<Option<Self>, RenderError> {
-        for BoundedRenderer { renderer, max_error } in bounded.iter().filter(|p| p.max_error <= MAX_SHARE * target) {
-            let drawn = renderer.prepare(scene, control).and_then(|mut prepared| prepared.render(view, control));
-            match drawn {
+        for candidate in preparing(target, bounded, scene, control) {
+            let (mut prepared, error) = candidate?;
+            match prepared.render(view, control) {
                 Ok(drawn) if drawn.stats.counts.unbounded == 0 => {
-                    return Ok(Some(Self::Proven { frame: drawn.frame, error: *max_error }));
+                    return Ok(Some(Self::Proven { frame: drawn.frame, error }));
                 }
                 Ok(_) | Err(RenderError::Unsupported { .. }) => {}
                 Err(other) => return Err(other),
@@ -111,4 +111,18 @@ impl Judge {
             Self::Strata => strata::bound(frame, finer.unwrap_or(frame), scene, cache, control),
         }
     }
+}
+
+/// Prepares a scene with the renderers whose bound is small beside the target, one after the other, and returns them with their bounds; those that do not take the scene are left out.
+pub(super) fn preparing<'a>(
+    target: f64,
+    bounded: &'a [BoundedRenderer],
+    scene: &'a Scene,
+    control: &'a Control,
+) -> impl Iterator<Item = Result<(Box<dyn Prepared>, f64), RenderError>> {
+    let near = bounded.iter().filter(move |renderer| renderer.max_error <= MAX_SHARE * target);
+    near.filter_map(|BoundedRenderer { renderer, max_error }| match renderer.prepare(scene, control) {
+        Err(RenderError::Unsupported { .. }) => None,
+        prepared => Some(prepared.map(|prepared| (prepared, *max_error))),
+    })
 }

@@ -1,4 +1,4 @@
-//! Choice of the cheapest renderer and setting whose picture is within a given RMSE.
+//! Picture within a given RMSE: by a renderer that aims at it and is checked, or by the cheapest renderer and setting of all.
 
 mod aimed;
 mod judge;
@@ -48,10 +48,8 @@ pub struct Choice {
     pub candidate: usize,
     /// Picture of the candidate.
     pub rendered: Rendered,
-    /// Time of the preparation.
-    pub prepare: Duration,
-    /// Time of the picture.
-    pub render: Duration,
+    /// Times of the preparation and of the picture.
+    pub times: [Duration; 2],
     /// The RMSE of this picture.
     pub error: RmseEstimate,
     /// The small pictures.
@@ -183,16 +181,11 @@ pub fn draw_within(
     let mut missed: Vec<(usize, RmseEstimate)> = Vec::new();
     for (k, &i) in order.iter().enumerate() {
         progress(0.5 + 0.5 * k as f64 / order.len() as f64);
-        let start = Instant::now();
-        let mut prepared = candidates[i].configured.prepare(scene, control)?;
-        let prepare = start.elapsed();
-        let start = Instant::now();
-        let rendered = prepared.render(view, control)?;
-        let render = start.elapsed();
+        let (rendered, times) = drawn_once(&*candidates[i].configured, (scene, view), control)?;
         let finer = if judge.needs_a_guide() { guides.beside(i, (scene, view), control)? } else { None };
         let error = judge.rmse(&rendered.frame, finer, (scene, view), cache, control)?;
         if error.upper <= target {
-            return Ok(Choice { candidate: i, rendered, prepare, render, error, trials, missed });
+            return Ok(Choice { candidate: i, rendered, times, error, trials, missed });
         }
         missed.push((i, error));
     }
@@ -237,6 +230,20 @@ impl<'a> Guides<'a> {
         }
         Ok(frame.as_ref())
     }
+}
+
+/// Prepares a scene and draws a view of it; returns the picture, and the times of both.
+fn drawn_once(
+    renderer: &dyn Renderer,
+    (scene, view): (&Scene, &View),
+    control: &Control,
+) -> Result<(Rendered, [Duration; 2]), RenderError> {
+    let start = Instant::now();
+    let mut prepared = renderer.prepare(scene, control)?;
+    let prepare = start.elapsed();
+    let start = Instant::now();
+    let rendered = prepared.render(view, control)?;
+    Ok((rendered, [prepare, start.elapsed()]))
 }
 
 /// Draws the scene; returns the time of the preparation, the smaller time of two frames after one that warms up, and the frame.

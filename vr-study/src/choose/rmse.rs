@@ -18,7 +18,7 @@ pub struct RmseEstimate {
 }
 
 /// Quantile of the normal distribution for a confidence of 95 %.
-const QUANTILE: f64 = 1.645;
+pub(super) const QUANTILE: f64 = 1.645;
 
 impl RmseEstimate {
     /// Estimates the RMSE from the reference at a sample of a frame's pixels that is spread evenly, by the normal distribution of means: good enough to
@@ -26,25 +26,26 @@ impl RmseEstimate {
     /// bound is proven.
     pub fn of_sample(reference: &ReferencePixels, frame: &Frame) -> Self {
         let squares = squares(reference, frame);
+        let [mean, variance] = mean_and_variance(&squares);
         let n = squares.len() as f64;
-        let mean = squares.iter().sum::<f64>() / n;
-        let variance = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
         let all = f64::from(frame.size()[0]) * f64::from(frame.size()[1]);
         let left = (1.0 - n / all).max(0.0);
         let spread = if left > 0.0 { QUANTILE * (variance / n * left).sqrt() } else { 0.0 };
-        Self::new(mean, mean + spread, reference, left == 0.0)
+        Self { proven: left == 0.0, ..Self::of_reference([mean, mean + spread], reference) }
     }
 
-    /// Makes the estimate from a mean of squares and an upper bound of that mean; the error of the reference itself is added.
-    pub(super) fn new(mean: f64, upper: f64, reference: &ReferencePixels, proven: bool) -> Self {
-        let upper = upper.sqrt() + reference.certainty.value() / reference.scale();
-        Self {
-            rmse: mean.sqrt(),
-            // Infinite errors leave no mean of squares.
-            upper: if upper.is_nan() { f64::INFINITY } else { upper },
-            pixels: reference.count(),
-            proven,
-        }
+    /// Makes the estimate from a mean of squares and an upper bound of that mean, by pixels of the reference.
+    pub(super) fn of_reference(means: [f64; 2], reference: &ReferencePixels) -> Self {
+        let error = reference.certainty.value() / reference.scale();
+        Self::of_means(means, (1.0, error), reference.count())
+    }
+
+    /// Makes the estimate from a mean of squares and an upper bound of that mean, by so many pixels. Their errors are in units of `1 / scale`, and they are known to within `error`.
+    pub(super) fn of_means([mean, upper]: [f64; 2], (scale, error): (f64, f64), pixels: usize) -> Self {
+        let upper = upper.sqrt() / scale + error;
+        // Infinite errors leave no mean of squares.
+        let upper = if upper.is_nan() { f64::INFINITY } else { upper };
+        Self { rmse: mean.sqrt() / scale, upper, pixels, proven: false }
     }
 
     /// Estimates the RMSE from a picture of the same view of which every pixel is within `error` of the correct one, in units of max(1, the largest
@@ -60,14 +61,11 @@ impl RmseEstimate {
     }
 }
 
-impl RmseEstimate {
-    /// Makes the estimate from the mean of squares of `pixels` pixels, each of which is known to within `error`, and the variance of that mean; by the normal distribution of means.
-    pub(super) fn of_strata((mean, variance): (f64, f64), scale: f64, error: f64, pixels: usize) -> Self {
-        let upper = (mean + QUANTILE * variance.sqrt()).sqrt() / scale + error;
-        // Infinite errors leave no mean of squares.
-        let upper = if upper.is_nan() { f64::INFINITY } else { upper };
-        Self { rmse: mean.sqrt() / scale, upper, pixels, proven: false }
-    }
+/// Returns the mean of a sample, and the variance of what it is drawn from; 0 where one number tells none.
+pub(super) fn mean_and_variance(sample: &[f64]) -> [f64; 2] {
+    let n = sample.len() as f64;
+    let mean = sample.iter().sum::<f64>() / n;
+    [mean, sample.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0)]
 }
 
 /// Returns the unit of a picture's errors, of which some pixels are known to within `error`: its largest magnitude is at least this, or 1.

@@ -10,7 +10,7 @@ use vr_core::{Control, Frame, Model, RenderError, Scene, View};
 use vr_physics::metrics::subgrid;
 
 use super::CONFIDENCE;
-use super::rmse::{RmseEstimate, squares};
+use super::rmse::{RmseEstimate, mean_and_variance, squares};
 use crate::reference::{ReferenceCache, SUBGRID};
 
 /// Ends of the strata, as shares of all pixels, the most suspicious first.
@@ -46,16 +46,24 @@ pub(super) fn bound(
     let squares = squares(&reference, frame);
     let range = squares.iter().copied().fold(0.0, f64::max);
     let (mut mean, mut upper) = (0.0, 0.0);
-    for h in 0..ENDS.len() as u8 {
-        let size = stratum_of.iter().filter(|&&s| s == h).count();
-        let own: Vec<f64> =
-            chosen.iter().zip(&squares).filter(|(i, _)| stratum_of[**i] == h).map(|(_, s)| *s).collect();
+    for (size, own) in by_stratum(&stratum_of, &chosen, &squares) {
         let share = size as f64 / stratum_of.len() as f64;
-        let [m, u] = bernstein(&own, size, range, (1.0 - CONFIDENCE) / ENDS.len() as f64);
+        let [m, u] = bernstein(&own, size, range, (1.0 - CONFIDENCE) / STRATA as f64);
         mean += share * m;
         upper += share * u;
     }
-    Ok(RmseEstimate::new(mean, upper, &reference, chosen.len() == stratum_of.len()))
+    let proven = chosen.len() == stratum_of.len();
+    Ok(RmseEstimate { proven, ..RmseEstimate::of_reference([mean, upper], &reference) })
+}
+
+/// Returns the number of pixels of each stratum, and the numbers of those of its pixels that were chosen.
+pub(super) fn by_stratum(stratum_of: &[u8], chosen: &[usize], numbers: &[f64]) -> [(usize, Vec<f64>); STRATA] {
+    let mut strata = std::array::from_fn(|_| (0, Vec::new()));
+    stratum_of.iter().for_each(|&stratum| strata[usize::from(stratum)].0 += 1);
+    for (&i, &number) in chosen.iter().zip(numbers) {
+        strata[usize::from(stratum_of[i])].1.push(number);
+    }
+    strata
 }
 
 /// Returns the mean of a sample of `size` numbers in [0, `range`], and a bound that the mean of all of them exceeds with the probability `delta` at most.
@@ -64,14 +72,13 @@ fn bernstein(sample: &[f64], size: usize, range: f64, delta: f64) -> [f64; 2] {
         return if size == 0 { [0.0; 2] } else { [range; 2] };
     }
     let n = sample.len() as f64;
-    let mean = sample.iter().sum::<f64>() / n;
+    let [mean, variance] = mean_and_variance(sample);
     if sample.len() == size {
         return [mean; 2];
     }
     if sample.len() == 1 {
         return [mean, range];
     }
-    let variance = sample.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
     let log = libm::log(2.0 / delta);
     let upper = mean + (2.0 * variance * log / n).sqrt() + 7.0 * range * log / (3.0 * (n - 1.0));
     [mean, upper.min(range)]
