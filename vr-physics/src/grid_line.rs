@@ -2,17 +2,16 @@
 //!
 //! Along a ray each index coordinate is linear in the distance, so a trilinear cell is a cubic, a tricubic one has degree 9, and
 //! the nearest voxel is constant between the middles of the lattice. The Gaussian is no polynomial; it is interpolated at
-//! Chebyshev points (`gaussian_cell`).
+//! Chebyshev points ([`InterpolatedCell`]).
 
 use glam::{DMat3, DVec3};
 use vr_core::bound::Bound;
-use vr_core::field::{Chord, Cut, FieldLine, LineModel, Poly, distinct_places};
-use vr_core::filter::Reconstruction;
+use vr_core::field::{Chord, Cut, FieldLine, InterpolatedCell, LineModel, Poly, distinct_places};
+use vr_core::filter::{GaussianTaps, Reconstruction};
 use vr_core::{Calibration, Filter, GridVolume, IndexRay, Real, Sampler, Voxel};
 
 use crate::double::Double;
 use crate::exact_ray::{ExactPlacement, IndexChord};
-use crate::gaussian_cell;
 use crate::tap_weights::{Axis, BSPLINE, CATMULL_ROM, cubics};
 
 /// Gradients per index step at the voxels, for shading that takes them from there.
@@ -311,7 +310,8 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
             return LineModel { field, field_error: 0.0, gradient, gradient_error, limits: None, certain: true };
         }
         let own_slopes = matches!(self.gradient, GradientSource::Analytic);
-        let part = gaussian_cell::interpolate(lattice, cell, base, reach, [middle, half], own_slopes);
+        let part =
+            InterpolatedCell::new::<GaussianTaps, T>(lattice, cell, base, reach, [middle, half], 0.0, own_slopes);
         let field = part.field * slope + Poly::constant(offset);
         let field_error = (part.error + self.displaced(reach)) * slope + f64::EPSILON * offset + calibration_error;
         let displaced = 4.0 * self.displaced(reach);

@@ -54,7 +54,6 @@ mod crossings;
 mod double;
 mod exact_ray;
 mod first_crossing;
-mod gaussian_cell;
 mod grid_line;
 mod leaf;
 pub mod metrics;

@@ -104,7 +104,7 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderE
         return Err(unsupported(feature, what));
     }
     if let Step::ErrorBound(_) = caster.step {
-        ErrorBound::check(scene, volume)?;
+        ErrorBound::check(scene)?;
     }
     Ok(source)
 }

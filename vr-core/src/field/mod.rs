@@ -10,6 +10,7 @@
 mod chebyshev;
 mod function;
 mod function_line;
+mod interpolated_cell;
 mod kernel_shape;
 mod kernel_slope;
 mod line;
@@ -24,6 +25,7 @@ mod stretch;
 pub use chebyshev::{Interpolation, LEBESGUE, interpolation};
 pub use function::FunctionField;
 pub use function_line::FunctionLine;
+pub use interpolated_cell::InterpolatedCell;
 pub use line::{Chord, Cut, FieldLine, LineColor, LineModel, distinct_places};
 pub use point_line::PointLine;
 pub use poly::{Bernstein, MAX_DEGREE, Poly, chebyshev_point};

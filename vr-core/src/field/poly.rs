@@ -128,6 +128,23 @@ impl Poly {
         p
     }
 
+    /// A polynomial of at most the given degree, and a bound of how far this one is from it on [−1, 1] (Lanczos 1938, *Trigonometric interpolation of empirical and
+    /// analytical functions*: each power is taken down by the Chebyshev polynomial of its degree, which is nowhere above 1).
+    pub fn economized(&self, degree: usize) -> (Self, f64) {
+        let (mut p, mut off) = (*self, 0.0);
+        while p.degree > degree {
+            let n = p.degree;
+            let factor = p.coefficients[n] * 0.5f64.powi(n as i32 - 1);
+            for (c, t) in p.coefficients[..n].iter_mut().zip(polynomials()[n].coefficients()) {
+                *c -= factor * t;
+            }
+            off += factor.abs();
+            p.coefficients[n] = 0.0;
+            p.degree -= 1;
+        }
+        (p, off)
+    }
+
     /// Bounds |p(z) − p(0)| over |z| ≤ `radius`: Σ |cₖ| radiusᵏ, k ≥ 1.
     #[inline]
     pub fn spread(&self, radius: f64) -> f64 {
@@ -282,6 +299,18 @@ mod tests {
         let n = 20_000;
         let sum: f64 = (0..n).map(|i| p.at(-1.0 + (f64::from(i) + 0.5) * 2.0 / f64::from(n))).sum();
         assert!((p.integral() - sum * 2.0 / f64::from(n)).abs() < 1e-7);
+    }
+
+    #[test]
+    fn what_is_economized_stays_near() {
+        let p = wild();
+        for degree in [3, 6, 8] {
+            let (q, off) = p.economized(degree);
+            let far =
+                (0..=200).map(|i| 0.01 * f64::from(i) - 1.0).map(|t| (p.at(t) - q.at(t)).abs()).fold(0.0, f64::max);
+            assert!(q.degree() == degree && far <= off && far > 0.1 * off, "{degree}: {far} {off}");
+        }
+        assert_eq!(p.economized(9), (p, 0.0));
     }
 
     #[test]

@@ -17,9 +17,9 @@ mod nearest;
 mod separable;
 mod trilinear;
 
-pub use bspline::{BSpline, interpolation_coefficients};
-pub use catmull_rom::CatmullRom;
-pub use gaussian::{GAUSSIAN_RADIUS, GAUSSIAN_SIGMA, Gaussian};
+pub use bspline::{BSpline, BSplineTaps, interpolation_coefficients};
+pub use catmull_rom::{CatmullRom, CatmullRomTaps};
+pub use gaussian::{GAUSSIAN_RADIUS, GAUSSIAN_SIGMA, Gaussian, GaussianTaps};
 pub use nearest::Nearest;
 pub use separable::{Separable, Taps4};
 pub use trilinear::Trilinear;

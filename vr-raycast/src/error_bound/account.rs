@@ -5,6 +5,9 @@ use super::step::Step;
 /// Share of the error asked for that a step may always have. Shares leave a tenth, in which as many steps as a ray may take have room.
 const NEGLIGIBLE: f64 = 1e-6;
 
+/// Share of the error asked for that what the field is off by may cost.
+const RESOLUTION_SHARE: f64 = 0.02;
+
 /// Limits of a ray's error and light, the same for all rays of a view.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
@@ -101,6 +104,14 @@ impl Account {
     pub(super) fn enough(&self, s: f64) -> f64 {
         let left = self.share(s, self.transmittance) - self.error;
         (0.25 * left / self.transmittance.max(1e-300)).max(0.0)
+    }
+
+    /// Returns what the field may be off by all along the ray, given the slopes of extinction and source by it: so little that steps hardly notice, which count it
+    /// five times.
+    pub(super) fn resolution(&self, [rate, source]: [f64; 2]) -> f64 {
+        let length = self.end - self.start;
+        let emitted = if self.limits.emits { length } else { 1.0 };
+        RESOLUTION_SHARE * self.limits.error / (rate * self.max_light(self.start) * length + source * emitted)
     }
 
     /// True if a step from `s` on is good enough.

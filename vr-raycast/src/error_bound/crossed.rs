@@ -35,4 +35,14 @@ impl Crossed {
         });
         Self { cell, part, misplaced, in_face, beyond }
     }
+
+    /// True if something holds of a sample of the cells that the ray may lie in beyond this one's faces, in a lattice of the given size.
+    pub(super) fn any_beyond(&self, dims: [usize; 3], holds: impl Fn([usize; 3]) -> bool) -> bool {
+        let samples = |a: usize| {
+            let [low, high] = self.beyond[a].map(usize::from);
+            self.cell[a].saturating_sub(low)..=(self.cell[a] + 1 + high).min(dims[a] - 1)
+        };
+        let any = || samples(2).any(|z| samples(1).any(|y| samples(0).any(|x| holds([x, y, z]))));
+        self.beyond != [[false; 2]; 3] && any()
+    }
 }

@@ -95,6 +95,12 @@ impl<R: Real> Cubic<R> {
 }
 
 impl Cubic<f64> {
+    /// Returns the cubic of coefficients of the powers of x = 2t − 1 ∈ [−1, 1], the constant first.
+    pub(super) fn of_powers_about_middle([a, b, c, d]: [f64; 4]) -> Self {
+        let (even, odd, third) = (a + c, b + d, 1.0 / 3.0);
+        Self([even - odd, a - c * third - (b * third - d), a - c * third + (b * third - d), even + odd])
+    }
+
     /// Returns the parameters between 0 and 1 at which the slope is 0, as far as there are any.
     pub(super) fn turns(&self) -> [Option<f64>; 2] {
         let [a, b, c, d] = self.0;

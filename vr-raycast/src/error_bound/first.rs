@@ -4,9 +4,10 @@ use vr_core::{Calibration, Real};
 
 use super::blocks::Blocks;
 use super::cubic::Cubic;
+use super::normals::Normals;
 use super::optics::Optics;
 use super::piece_by_piece::Place;
-use super::reflection::{Normals, RayReflection};
+use super::reflection::RayReflection;
 use super::series::Series;
 use super::walk::Course;
 
@@ -178,10 +179,6 @@ impl<'a> FirstSearch<'a> {
         }
         follows
     }
-
-    fn normals(&self, of: impl FnOnce(&RayReflection<'_>) -> Normals) -> Normals {
-        self.reflection.as_ref().map_or(Normals::Absent, of)
-    }
 }
 
 impl Hit {
@@ -209,17 +206,18 @@ impl Course for FirstSearch<'_> {
         self.is_below(range)
     }
 
-    fn looks_at_normals(&self) -> bool {
-        self.reflection.is_some()
+    fn resolution(&self, range: [f64; 2]) -> f64 {
+        // Only where the threshold is matters.
+        if self.is_below(range) { f64::INFINITY } else { 0.0 }
     }
 
-    fn constant(&mut self, stored: f64, normals: impl FnOnce(&RayReflection<'_>) -> Normals, s: f64, length: f64) {
+    fn constant(&mut self, stored: f64, normals: impl FnOnce() -> Normals, s: f64, length: f64) {
         self.steps += 1;
         self.follows(s);
         self.end = s + length;
         let value = self.optics.calibration.value(stored);
         if value >= self.threshold {
-            let normals = self.normals(normals);
+            let normals = normals();
             let place = self.place([value; 2], &normals, [0.0; 2], s);
             self.reach(place);
         } else {
@@ -227,22 +225,16 @@ impl Course for FirstSearch<'_> {
         }
     }
 
-    fn cell<R: Real>(
-        &mut self,
-        cubic: Cubic<R>,
-        place: Place,
-        normals: impl FnOnce(&RayReflection<'_>) -> Normals,
-        s: f64,
-        length: f64,
-    ) {
+    fn cell<R: Real>(&mut self, cubic: Cubic<R>, place: Place, normals: impl FnOnce() -> Normals, s: f64, length: f64) {
         let follows = self.follows(s);
         self.end = s + length;
         // Roundings of the interpolation and of the position, as for integrals, of halving, and of the threshold.
         let off = place.reach * (f64::EPSILON * 256.0 + 3.0 * place.misplaced)
+            + place.off
             + 2.0 * f64::EPSILON * (place.base.abs() + self.stored.abs())
             + self.optics.knot_error;
         let above = Cubic(cubic.0.map(|b| self.sign * ((place.base - self.stored) + b.to_f64())));
-        let cell = Cell { normals: self.normals(normals), s, length, off, follows };
+        let cell = Cell { normals: normals(), s, length, off, follows };
         self.part(&cell, Part { above, ends: [0.0, 1.0], halvings: 0 });
     }
 }

@@ -6,6 +6,8 @@ mod cone;
 mod crossed;
 mod cubic;
 mod first;
+mod modulation;
+mod normals;
 pub(crate) mod optics;
 mod packets;
 mod picks;
@@ -16,6 +18,7 @@ mod seeded;
 mod series;
 mod step;
 mod walk;
+mod wide_cells;
 
 use std::sync::Arc;
 
@@ -33,6 +36,8 @@ use crate::tracer::{RaySample, Tracer};
 use account::{Account, Limits};
 use blocks::Blocks;
 use first::FirstSearch;
+use modulation::Modulation;
+use normals::Gradients;
 use optics::Optics;
 use packets::{BoundedPackets, PacketView};
 use picks::{Search, Wanted};
@@ -45,12 +50,18 @@ use walk::{Course, Medium};
 pub(crate) struct ErrorBound {
     pub(crate) volume: Arc<GridVolume>,
     optics: Optics,
+    /// `None` where nothing looks at them.
+    gradients: Option<Gradients>,
     /// `None` where colours stay as they are.
     reflection: Option<Reflection>,
+    /// `None` where extinction stays as it is.
+    modulation: Option<Modulation>,
     blocks: Blocks,
     /// Packets; `None` where rays go one by one.
     packets: Option<BoundedPackets>,
     error: f64,
+    /// What values that are picked may be off by without that it matters.
+    resolution: f64,
     level: f64,
     sought: Sought,
 }
@@ -69,21 +80,14 @@ impl ErrorBound {
     /// Checks that there are bounds for a scene. Returns the level at which light ends.
     ///
     /// # Errors
-    /// [`RenderError::Unsupported`] for what there is no bound for: other filters than trilinear and nearest, opacity by gradient, and emission given on its own under accumulate.
-    pub(crate) fn check(scene: &Scene, volume: &GridVolume) -> Result<f64, RenderError> {
+    /// [`RenderError::Unsupported`] for what there is no bound for: transfer functions by gradient, and emission given on its own under accumulate.
+    pub(crate) fn check(scene: &Scene) -> Result<f64, RenderError> {
         let without =
             |what: String| Err(unsupported(Feature::MaxError, format!("a promised error (max-error) {what}")));
         let level = match scene.compositing {
             Compositing::Accumulate { level } => level,
             _ => 1.0,
         };
-        let filter = volume.filter();
-        if !matches!(filter, Filter::Trilinear | Filter::Nearest) {
-            return without(format!("with the filter '{filter}'"));
-        }
-        if scene.shading.as_ref().is_some_and(|shading| !shading.gradient_opacity.is_empty()) {
-            return without("with opacity by gradient".to_owned());
-        }
         if scene.transfer.has_rows() {
             return without("with a transfer function by gradient".to_owned());
         }
@@ -103,7 +107,7 @@ impl ErrorBound {
         volume: &Arc<GridVolume>,
         vectors: Option<Level>,
     ) -> Result<Self, RenderError> {
-        let level = Self::check(scene, volume)?;
+        let level = Self::check(scene)?;
         let (low, high) = volume.value_stats().range.unwrap_or_default();
         let largest = f64::from(low.abs().max(high.abs()));
         let optics = Optics::new(&scene.transfer, volume.calibration(), largest);
@@ -118,12 +122,29 @@ impl ErrorBound {
             Sought::First(_) => scene.transfer.brightest_color(),
             _ => optics.brightest,
         };
-        let reflection = Reflection::new(scene, volume, brightest);
-        let in_packets = level >= 1.0 && matches!(sought, Sought::Light);
-        let packets = vectors
-            .filter(|_| in_packets)
-            .and_then(|level| BoundedPackets::new(level, volume, &optics, &blocks, reflection.as_ref()));
-        Ok(Self { volume: Arc::clone(volume), optics, reflection, blocks, packets, error, level, sought })
+        let gradients = Gradients::new(scene, volume);
+        let reflection = Reflection::new(scene, brightest);
+        let modulation = Modulation::new(scene);
+        let in_packets = level >= 1.0 && matches!(sought, Sought::Light) && modulation.is_none();
+        let packets = vectors.filter(|_| in_packets).and_then(|level| {
+            let reflected = reflection.as_ref().zip(gradients.as_ref());
+            BoundedPackets::new(level, volume, &optics, &blocks, reflected)
+        });
+        let resolution = 0.1 * error / picks::steepest(&scene.transfer, volume.calibration());
+        let volume = Arc::clone(volume);
+        Ok(Self {
+            volume,
+            optics,
+            gradients,
+            reflection,
+            modulation,
+            blocks,
+            packets,
+            error,
+            resolution,
+            level,
+            sought,
+        })
     }
 
     /// Error that a ray may have: less what storing a pixel as f32 takes.
@@ -245,7 +266,8 @@ impl BoundedRays<'_> {
 
     /// Picks the value of a ray.
     fn picked(&self, ray: &IndexRay, wanted: Wanted, counts: &mut Counts) -> RaySample {
-        let search = self.volume.with_lattice(SearchJob { rays: self, ray, search: Search::new(wanted) });
+        let search =
+            self.with_lattice(SearchJob { rays: self, ray, search: Search::new(wanted, self.error_bound.resolution) });
         counts.samples += search.steps;
         let Some(stored) = search.stored() else { return RaySample::NOTHING };
         let Optics { transfer, calibration, .. } = &self.error_bound.optics;
@@ -265,7 +287,7 @@ impl BoundedRays<'_> {
         counts: &mut Counts,
     ) -> RaySample {
         let search = FirstSearch::new(&self.error_bound.optics, reflection, threshold);
-        let search = self.volume.with_lattice(SearchJob { rays: self, ray, search });
+        let search = self.with_lattice(SearchJob { rays: self, ray, search });
         counts.samples += search.steps;
         let colors = self.error_bound.optics.transfer.brightest_color();
         let brightest = self.error_bound.reflection.as_ref().map_or(colors, |reflection| reflection.brightest);
@@ -276,15 +298,27 @@ impl BoundedRays<'_> {
         RaySample { rgba: pixel.rgba.map(|x| x as f32), depth: (pixel.distance + ray.offset) as f32 }
     }
 
+    /// Hands over the numbers under the filter.
+    fn with_lattice<V: LatticeVisitor>(&self, visitor: V) -> V::Output {
+        match self.volume.filter() {
+            Filter::BSpline => {
+                let (samples, dims) = (self.volume.spline_coefficients(), self.volume.dims());
+                visitor.visit(Lattice { samples, dims })
+            }
+            _ => self.volume.with_lattice(visitor),
+        }
+    }
+
     fn medium<'a, T: Voxel>(&'a self, lattice: Lattice<'a, T>) -> Medium<'a, T> {
-        let nearest = self.volume.filter() == Filter::Nearest;
-        Medium { lattice, vacuum: self.volume.vacuum_cells(), nearest, blocks: &self.error_bound.blocks }
+        let &ErrorBound { ref blocks, ref gradients, error, .. } = self.error_bound;
+        let (filter, volume, gradients) = (self.volume.filter(), self.volume, gradients.as_ref());
+        Medium { lattice, filter, volume, blocks, gradients, error }
     }
 
     fn both_stages(&self, ray: BoundedRay<'_>, single: &mut Tries, counts: &mut Counts) -> Account {
         if self.single && single.is_worth_while() {
             single.tried += 1;
-            let (account, kept) = self.volume.with_lattice(self.job::<f32>(ray.clone()));
+            let (account, kept) = self.with_lattice(self.job::<f32>(ray.clone()));
             counts.samples += account.steps;
             if kept {
                 return account;
@@ -292,7 +326,7 @@ impl BoundedRays<'_> {
             single.failed += 1;
         }
         counts.repeated += u64::from(self.single);
-        let (account, kept) = self.volume.with_lattice(self.job::<f64>(ray));
+        let (account, kept) = self.with_lattice(self.job::<f64>(ray));
         if !kept {
             counts.count_unbounded(self.error_bound.error * account.overrun());
         }
@@ -329,9 +363,10 @@ impl<R: Real> LatticeVisitor for Job<'_, R> {
         let BoundedRay { part, reflection, backdrop } = self.ray;
         let error_bound = self.rays.error_bound;
         let account = Account::new(error_bound.limits(), part.start, part.end, backdrop);
+        let by_gradient = (reflection, error_bound.modulation.as_ref());
         // Only f32 has something better to turn to.
         let gives_up = R::ROUNDOFF > f64::EPSILON;
-        let mut integral = Integral::new(&error_bound.optics, reflection, account, gives_up);
+        let mut integral = Integral::new(&error_bound.optics, by_gradient, account, gives_up);
         walk::along::<R, T>(&self.rays.medium(lattice), &part, &mut integral);
         integral.account.finish();
         let kept = integral.is_kept();

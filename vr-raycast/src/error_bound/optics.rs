@@ -301,6 +301,26 @@ impl Optics {
         steepest
     }
 
+    /// Returns what κ·unit and the source may change by for each unit that a value of a closed range is off by, or a little beyond; both +∞ where anything jumps in it,
+    /// or a wall is.
+    pub(super) fn sensitivity(&self, low: f64, high: f64) -> [f64; 2] {
+        let pieces = self.meeting(low, high);
+        if pieces.iter().any(|p| p.opaque) || pieces.windows(2).any(|p| p[0].ends[1] != p[1].ends[0]) {
+            return [f64::INFINITY; 2];
+        }
+        pieces.iter().fold([0.0; 2], |[rate, source]: [f64; 2], p| {
+            let clearness = match self.rule {
+                OpacityRule::Extinction => 1.0,
+                OpacityRule::Power => {
+                    let ends = [low, high].map(|v| p.clearness_at(v.clamp(p.from, p.to)));
+                    ends[0].min(ends[1]).max(0.0)
+                }
+            };
+            let own = if p.steepest_opacity == 0.0 { 0.0 } else { p.steepest_opacity / clearness };
+            [rate.max(own), source.max(p.steepest_source)]
+        })
+    }
+
     /// Returns the optical depth per unit distance of an opacity, of which the complement is given, too.
     pub(crate) fn rate(&self, opacity: f64, clearness: f64) -> f64 {
         match self.rule {

@@ -1,11 +1,12 @@
 //! The operators that pick one value of a ray, with a bound of what that is off by.
 
+use vr_core::transfer::Segment;
 use vr_core::{Calibration, Compositing, Real, TransferFunction};
 
 use super::blocks::Blocks;
 use super::cubic::Cubic;
+use super::normals::Normals;
 use super::piece_by_piece::Place;
-use super::reflection::{Normals, RayReflection};
 use super::walk::Course;
 
 /// Value that is picked from a ray.
@@ -20,6 +21,8 @@ pub(super) enum Wanted {
 #[derive(Clone, Debug)]
 pub(super) struct Search {
     wanted: Wanted,
+    /// What values may be off by without that it matters.
+    resolution: f64,
     /// Largest value found, times the sign, and its distance.
     found: f64,
     pub(super) distance: f64,
@@ -48,11 +51,12 @@ impl Wanted {
 }
 
 impl Search {
-    pub(super) fn new(wanted: Wanted) -> Self {
+    pub(super) fn new(wanted: Wanted, resolution: f64) -> Self {
         let none = f64::NEG_INFINITY;
         let (integral, off, length) = (0.0, 0.0, 0.0);
         Self {
             wanted,
+            resolution,
             found: none,
             distance: f64::INFINITY,
             at_least: none,
@@ -112,11 +116,11 @@ impl Course for Search {
         self.cannot_win(range)
     }
 
-    fn looks_at_normals(&self) -> bool {
-        false
+    fn resolution(&self, _: [f64; 2]) -> f64 {
+        self.resolution
     }
 
-    fn constant(&mut self, stored: f64, _: impl FnOnce(&RayReflection<'_>) -> Normals, s: f64, length: f64) {
+    fn constant(&mut self, stored: f64, _: impl FnOnce() -> Normals, s: f64, length: f64) {
         self.steps += 1;
         match self.wanted {
             Wanted::Extreme(sign) => self.take(sign * stored, 0.0, f64::INFINITY, s),
@@ -127,18 +131,13 @@ impl Course for Search {
         }
     }
 
-    fn cell<R: Real>(
-        &mut self,
-        cubic: Cubic<R>,
-        place: Place,
-        _: impl FnOnce(&RayReflection<'_>) -> Normals,
-        s: f64,
-        length: f64,
-    ) {
+    fn cell<R: Real>(&mut self, cubic: Cubic<R>, place: Place, _: impl FnOnce() -> Normals, s: f64, length: f64) {
         self.steps += 1;
         let cubic = Cubic(cubic.0.map(R::to_f64));
         // Roundings of the interpolation and of the position, as for integrals, and of the cubic's own values and turns.
-        let off = place.reach * (2.0 * R::ROUNDOFF * 32.0 + 3.0 * place.misplaced) + f64::EPSILON * place.base.abs();
+        let off = place.reach * (2.0 * R::ROUNDOFF * 32.0 + 3.0 * place.misplaced)
+            + place.off
+            + f64::EPSILON * place.base.abs();
         match self.wanted {
             Wanted::Extreme(sign) => {
                 // Inside a cell the field does not reach its extreme samples; at an end it may.
@@ -157,6 +156,17 @@ impl Course for Search {
             }
         }
     }
+}
+
+/// Returns the steepest slope of a pixel's components by the stored number, apart from jumps.
+pub(super) fn steepest(transfer: &TransferFunction, calibration: Calibration) -> f64 {
+    let slope = |s: &Segment| {
+        let change = |c: usize| (s.end.color[c] - s.start.color[c]).abs();
+        let opacity = (s.end.opacity - s.start.opacity).abs() * (1.0 + s.start.color.into_iter().fold(0.0, f64::max));
+        (opacity + change(0).max(change(1)).max(change(2))) / (s.to - s.from)
+    };
+    let steepest = transfer.segments().iter().map(slope).filter(|slope| slope.is_finite()).fold(0.0, f64::max);
+    steepest * calibration.slope.abs()
 }
 
 /// Returns the pixel of a stored number, and the largest difference of one of its components from those of the others in a range.

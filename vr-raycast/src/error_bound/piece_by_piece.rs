@@ -5,10 +5,12 @@ use vr_core::Real;
 use super::account::{Account, PendingWall};
 use super::blocks::{Blocks, State};
 use super::cubic::Cubic;
+use super::modulation::{Factor, Modulation};
+use super::normals::Normals;
 use super::optics::{Extremes, Optics, Piece};
-use super::reflection::{Normals, RayReflection, Reflected};
+use super::reflection::{RayReflection, Reflected};
 use super::series::Series;
-use super::step::{Step, coarse, constant, constant_reflected, smooth, smooth_reflected};
+use super::step::{ByGradient, Step, coarse, constant, constant_by_gradient, smooth, smooth_by_gradient};
 use super::walk::Course;
 use crate::root::monotone_root;
 
@@ -24,6 +26,8 @@ pub(super) struct Integral<'a> {
     pub(super) optics: &'a Optics,
     /// `None` where colours stay as they are.
     pub(super) reflection: Option<RayReflection<'a>>,
+    /// `None` where extinction stays as it is.
+    modulation: Option<&'a Modulation>,
     pub(super) account: Account,
     /// True if it stops once the proven bound is above the one asked for: another instance will do the ray again.
     pub(super) gives_up: bool,
@@ -40,6 +44,8 @@ pub(super) struct Place {
     pub(super) limits: Option<[f64; 2]>,
     /// Upper bound of the error of a position, as a fraction of the cell.
     pub(super) misplaced: f64,
+    /// Upper bound of how far the field is from the cubic.
+    pub(super) off: f64,
 }
 
 /// Field along a cell: the part that does not change while the cell is cut.
@@ -65,11 +71,11 @@ struct Part<R> {
 impl<'a> Integral<'a> {
     pub(super) fn new(
         optics: &'a Optics,
-        reflection: Option<RayReflection<'a>>,
+        (reflection, modulation): (Option<RayReflection<'a>>, Option<&'a Modulation>),
         account: Account,
         gives_up: bool,
     ) -> Self {
-        Self { optics, reflection, account, gives_up }
+        Self { optics, reflection, modulation, account, gives_up }
     }
 
     /// True if the bound asked for is kept.
@@ -78,7 +84,7 @@ impl<'a> Integral<'a> {
         !(too_long || self.account.is_over())
     }
 
-    /// Integrates a part, from one fraction of a cell to another, of one extinction and colour, the light of which is reflected.
+    /// Integrates a part, from one fraction of a cell to another, of one extinction and colour, which follow the gradient.
     fn uniform_part(
         &mut self,
         medium: (f64, [f64; 3]),
@@ -89,16 +95,50 @@ impl<'a> Integral<'a> {
         if self.is_done() || length <= 0.0 {
             return;
         }
-        let Some(reflected) = self.reflected(normals, ends) else { return };
-        let step = constant_reflected(self.optics, medium, length, &reflected);
-        let account = &self.account;
-        if account.fits(&step, s) || self.is_enough(cuts) {
-            self.account.take(&step, s);
+        let factor = self.factor(normals, ends);
+        let (mut medium, nothing) = (medium, factor.is_some_and(|factor| factor.is_nothing()));
+        if nothing {
+            // Not even a wall.
+            medium.0 = 0.0;
+        }
+        let (rate, source) = medium;
+        if nothing && !(self.optics.emits && source != [0.0; 3]) {
             return;
+        }
+        let enough = self.is_enough(cuts);
+        if rate < f64::INFINITY {
+            let reflected = self.reflected(normals, ends);
+            let gradient = ByGradient { reflected: reflected.as_ref(), factor: factor.as_ref().map(|f| &f.series) };
+            let step = constant_by_gradient(self.optics, medium, length, gradient);
+            let step = step.unwrap_or_else(|| self.coarse_uniform(medium, normals, ends, length));
+            if self.account.fits(&step, s) || enough {
+                self.account.take(&step, s);
+                return;
+            }
+        } else if factor.is_none_or(|factor| factor.is_something()) {
+            let light = if self.optics.emits { [0.0; 3] } else { source };
+            return self.wall(light, 0.0, 0.0, (normals, ends[0]), s);
+        } else if enough {
+            let step = self.coarse_uniform(medium, normals, ends, length);
+            let before = if self.optics.emits { step.light.into_iter().fold(0.0, f64::max) } else { 0.0 };
+            return self.account.doubt(PendingWall { step, before, spread: 0.0, turn: self.turn(normals, ends) });
         }
         let (half, middle) = (0.5 * length, 0.5 * (ends[0] + ends[1]));
         self.uniform_part(medium, normals, ([ends[0], middle], s, half), cuts + 1);
         self.uniform_part(medium, normals, ([middle, ends[1]], s + half, half), cuts + 1);
+    }
+
+    /// Returns the step over all that a medium of one extinction and colour may be on a part of a cell.
+    fn coarse_uniform(&self, (rate, source): (f64, [f64; 3]), normals: &Normals, ends: [f64; 2], length: f64) -> Step {
+        let is_wall = rate == f64::INFINITY;
+        let before_wall = if is_wall { 0.0 } else { rate };
+        let extremes = Extremes { rate: [rate; 2], before_wall, source: source.map(|x| [x; 2]), wall: is_wall };
+        coarse(self.optics, &self.by_gradient(&extremes, normals, ends), length, f64::INFINITY)
+    }
+
+    /// Returns the factor on extinction on a part of a cell; `None` where it stays as it is.
+    fn factor(&self, normals: &Normals, ends: [f64; 2]) -> Option<Factor> {
+        self.modulation.map(|modulation| modulation.on(normals, ends))
     }
 
     /// Returns the change of colours on a part of a cell; `None` where they stay.
@@ -123,7 +163,7 @@ impl<'a> Integral<'a> {
         if extremes.wall {
             return false;
         }
-        let extremes = &self.lit(extremes, &Normals::Unknown, [0.0, 1.0]);
+        let extremes = &self.by_gradient(extremes, &Normals::Unknown, [0.0, 1.0]);
         let step = coarse(self.optics, extremes, length, f64::INFINITY);
         let fits = self.account.fits(&step, s);
         if fits {
@@ -132,16 +172,32 @@ impl<'a> Integral<'a> {
         fits
     }
 
-    /// Returns extremes of a medium with its light reflected, on a part of a cell.
-    fn lit(&self, extremes: &Extremes, normals: &Normals, ends: [f64; 2]) -> Extremes {
-        let mut lit = *extremes;
+    /// Returns extremes of a medium that follows the gradient, on a part of a cell.
+    fn by_gradient(&self, extremes: &Extremes, normals: &Normals, ends: [f64; 2]) -> Extremes {
+        let mut all = *extremes;
         if let Some(reflected) = self.reflected(normals, ends) {
-            for (c, [low, high]) in lit.source.iter_mut().enumerate() {
+            for (c, [low, high]) in all.source.iter_mut().enumerate() {
                 let [[f0, f1], [a0, a1]] = [&reflected.factor[c], &reflected.added[c]].map(Series::range);
                 (*low, *high) = (*low * f0.max(0.0) + a0.max(0.0), *high * f1 + a1);
             }
         }
-        lit
+        if let Some(Factor { range: [f0, f1], .. }) = self.factor(normals, ends) {
+            // Nothing is left of a wall times 0.
+            let times = |x: f64, factor: f64| if factor <= 0.0 { 0.0 } else { x * factor };
+            all.rate = [times(all.rate[0], f0), times(all.rate[1], f1)];
+            all.before_wall = times(all.before_wall, f1);
+            all.wall &= f1 > 0.0;
+        }
+        all
+    }
+
+    /// Returns the largest difference that reflection makes between two places of a part of a cell.
+    fn turn(&self, normals: &Normals, ends: [f64; 2]) -> f64 {
+        self.reflected(normals, ends).map_or(0.0, |reflected| {
+            let width =
+                |c: usize| 2.0 * (reflected.factor[c].spread() * self.optics.brightest + reflected.added[c].spread());
+            width(0).max(width(1)).max(width(2))
+        })
     }
 
     fn part<R: Real>(&mut self, cell: &Cell<R>, part: Part<R>) {
@@ -156,11 +212,17 @@ impl<'a> Integral<'a> {
         if self.optics.is_clear(min, max) {
             return;
         }
+        let factor = self.factor(&cell.normals, part.ends);
+        let nothing = factor.is_some_and(|factor| factor.is_nothing());
+        if nothing && !self.optics.emits {
+            return;
+        }
         let optics = self.optics;
         let piece = optics.piece_at((0.5 * (low + high)).max(min).min(max));
         let single = piece.holds(low, high, noise) || piece.holds(min, max, 0.0);
+        let maybe = factor.is_some_and(|factor| !factor.is_something()) && !nothing;
         // A wall ends the ray.
-        if single && piece.opaque {
+        if single && piece.opaque && !maybe && !nothing {
             let entry = cell.place.base + part.cubic.0[0].to_f64();
             let light = if optics.emits { [0.0; 3] } else { piece.source_at(entry) };
             let steepness = if optics.emits { 0.0 } else { piece.source_steepness() };
@@ -168,17 +230,20 @@ impl<'a> Integral<'a> {
             return;
         }
         // Take the part as one step if its error is small enough, or shorter steps would not help.
-        if single && let Some(step) = self.smooth(piece, cell, &part, noise) {
+        if single
+            && !piece.opaque
+            && let Some(step) = self.smooth(piece, cell, &part, (noise, factor.as_ref()))
+        {
             let account = &self.account;
             if account.fits(&step, part.s) || account.is_rounding(&step, part.s) || self.is_enough(part.cuts) {
                 self.account.take(&step, part.s);
                 return;
             }
         } else {
-            let extremes = self.lit(&optics.extremes(min, max), &cell.normals, part.ends);
+            let extremes = self.by_gradient(&optics.extremes(min, max), &cell.normals, part.ends);
             let step = self.coarse_part(&extremes, cell, &part, noise);
             // Shorter parts would hold the same values, for all that is known.
-            let blurred = high - low <= 4.0 * noise;
+            let blurred = high - low <= 4.0 * noise && !(maybe && extremes.wall);
             if (!extremes.wall && self.account.fits(&step, part.s)) || blurred || self.is_enough(part.cuts) {
                 self.take_anyway(&extremes, step, cell, &part, noise);
                 return;
@@ -207,13 +272,22 @@ impl<'a> Integral<'a> {
     /// `reach`; the place; and the knots that they are compared with.
     fn noise<R: Real>(&self, cell: &Cell<R>, cuts: u32) -> f64 {
         let u = 2.0 * R::ROUNDOFF;
-        cell.place.reach * (u * (16.0 + 4.0 * f64::from(cuts)) + 3.0 * cell.place.misplaced) + self.optics.knot_error
+        let Place { reach, misplaced, off, .. } = cell.place;
+        reach * (u * (16.0 + 4.0 * f64::from(cuts)) + 3.0 * misplaced) + off + self.optics.knot_error
     }
 
-    fn smooth<R: Real>(&self, piece: &Piece, cell: &Cell<R>, part: &Part<R>, noise: f64) -> Option<Step> {
-        if let Some(reflected) = self.reflected(&cell.normals, part.ends) {
+    fn smooth<R: Real>(
+        &self,
+        piece: &Piece,
+        cell: &Cell<R>,
+        part: &Part<R>,
+        (noise, factor): (f64, Option<&Factor>),
+    ) -> Option<Step> {
+        let reflected = self.reflected(&cell.normals, part.ends);
+        if reflected.is_some() || factor.is_some() {
+            let gradient = ByGradient { reflected: reflected.as_ref(), factor: factor.map(|f| &f.series) };
             let values = (cell.place.base, noise);
-            return smooth_reflected(self.optics, piece, &part.cubic, values, part.length, &reflected);
+            return smooth_by_gradient(self.optics, piece, &part.cubic, values, part.length, gradient);
         }
         let enough = self.account.enough(part.s + part.length);
         smooth(self.optics, piece, &part.cubic, cell.place.base, noise, part.length, enough)
@@ -229,13 +303,14 @@ impl<'a> Integral<'a> {
         if extremes.before_wall.is_finite() {
             return extremes.before_wall * part.length / self.optics.unit;
         }
+        let factor = self.factor(&cell.normals, part.ends).map_or(1.0, |factor| factor.range[1]);
         let (low, high) = part.cubic.hull();
         let farthest = |v: f64| {
             let at = |t: f64| (cell.place.base + cell.whole.at(R::from_f64(t)).to_f64() - v).abs() - noise;
             [0.0, 0.25, 0.5, 0.75, 1.0].map(at).into_iter().fold(0.0, f64::max)
         };
         let (low, high) = (cell.place.base + low - noise, cell.place.base + high + noise);
-        self.optics.depth_at_touch(low, high, farthest, part.length, cell.length)
+        factor * self.optics.depth_at_touch(low, high, farthest, part.length, cell.length)
     }
 
     /// True if a part must not be cut any more, whatever its error.
@@ -256,11 +331,7 @@ impl<'a> Integral<'a> {
         };
         let spread = high - low + 2.0 * noise;
         // The wall's place decides what it reflects, too.
-        let turn = self.reflected(&cell.normals, part.ends).map_or(0.0, |reflected| {
-            let width =
-                |c: usize| 2.0 * (reflected.factor[c].spread() * self.optics.brightest + reflected.added[c].spread());
-            width(0).max(width(1)).max(width(2))
-        });
+        let turn = self.turn(&cell.normals, part.ends);
         self.account.doubt(PendingWall { step, before, spread, turn });
     }
 
@@ -320,7 +391,7 @@ impl<'a> Integral<'a> {
         let noise = self.noise(cell, part.cuts);
         let (low, high) = part.cubic.hull();
         let [min, max] = self.possible(&cell.place, [cell.place.base + low, cell.place.base + high], noise);
-        let extremes = self.lit(&self.optics.extremes(min, max), &cell.normals, part.ends);
+        let extremes = self.by_gradient(&self.optics.extremes(min, max), &cell.normals, part.ends);
         let step = self.coarse_part(&extremes, cell, &part, noise);
         self.take_anyway(&extremes, step, cell, &part, noise);
     }
@@ -342,36 +413,27 @@ impl Course for Integral<'_> {
         self.optics.is_clear(low - room, high + room)
     }
 
-    fn looks_at_normals(&self) -> bool {
-        self.reflection.is_some()
+    fn resolution(&self, [low, high]: [f64; 2]) -> f64 {
+        let largest = self.modulation.map_or(1.0, |modulation| modulation.largest());
+        let [rate, source] = self.optics.sensitivity(low, high);
+        self.account.resolution([rate * largest / self.optics.unit, source])
     }
 
-    fn constant(&mut self, stored: f64, normals: impl FnOnce(&RayReflection<'_>) -> Normals, s: f64, length: f64) {
+    fn constant(&mut self, stored: f64, normals: impl FnOnce() -> Normals, s: f64, length: f64) {
         let (rate, source) = self.optics.exactly(stored);
         if rate == 0.0 && !(self.optics.emits && source != [0.0; 3]) {
             return;
         }
-        let normals = self.reflection.as_ref().map_or(Normals::Absent, normals);
-        if rate == f64::INFINITY {
-            let light = if self.optics.emits { [0.0; 3] } else { source };
-            self.wall(light, 0.0, 0.0, (&normals, 0.0), s);
-        } else if matches!(normals, Normals::Absent) {
+        let normals = normals();
+        if rate < f64::INFINITY && self.modulation.is_none() && matches!(normals, Normals::Absent) {
             self.account.take(&constant(self.optics, rate, source, length), s);
         } else {
             self.uniform_part((rate, source), &normals, ([0.0, 1.0], s, length), 0);
         }
     }
 
-    fn cell<R: Real>(
-        &mut self,
-        cubic: Cubic<R>,
-        place: Place,
-        normals: impl FnOnce(&RayReflection<'_>) -> Normals,
-        s: f64,
-        length: f64,
-    ) {
-        let normals = self.reflection.as_ref().map_or(Normals::Absent, normals);
-        let cell = Cell { place, whole: cubic, normals, length };
+    fn cell<R: Real>(&mut self, cubic: Cubic<R>, place: Place, normals: impl FnOnce() -> Normals, s: f64, length: f64) {
+        let cell = Cell { place, whole: cubic, normals: normals(), length };
         self.part(&cell, Part { cubic, ends: [0.0, 1.0], s, length, cuts: 0 });
     }
 }

@@ -82,45 +82,44 @@ pub(super) fn constant(optics: &Optics, rate: f64, source: [f64; 3], length: f64
     }
 }
 
-/// Optical depth of a step along a cubic that lies in one piece of the transfer function, by power series about its middle: κ · unit is
-/// k₀ + k₁t + k₂t² + k₃t³ + …, with t ∈ [−1, 1] over the step.
-struct Depth<R> {
+/// Extinction along a cubic that lies in one piece of the transfer function, by power series about its middle: κ · unit is k₀ + k₁t + k₂t² + k₃t³ + …, with
+/// t ∈ [−1, 1] over the step.
+struct Rate<R> {
     k: [R; 4],
     /// Bound of the terms that follow.
     tail: f64,
-    /// Bound of what κ · unit is off by for being computed from a field that is.
-    rate_error: f64,
-    /// Optical depth per value of κ · unit.
-    per_rate: f64,
-    /// The step, as yet without light.
-    step: Step,
+    /// Its mean, which is known better than by these terms, and a bound of what that is off by.
+    mean: R,
+    mean_error: f64,
+    /// Bound of what κ · unit is off by for being computed from a field that is, and by rounding.
+    error: f64,
+    rounding: f64,
 }
 
-impl<R: Real> Depth<R> {
+impl<R: Real> Rate<R> {
     /// `c`: the cubic by powers of t. `None` where the series does not converge well enough to say anything.
     #[inline]
-    fn along(optics: &Optics, piece: &Piece, c: &[R; 4], base: f64, noise: f64, length: f64) -> Option<Self> {
+    fn along(optics: &Optics, piece: &Piece, c: &[R; 4], base: f64, noise: f64) -> Option<Self> {
         let real = R::from_f64;
         let u = 2.0 * R::ROUNDOFF;
         let middle = base + c[0].to_f64();
         let (alpha, clearness) = (piece.opacity_at(middle), piece.clearness_at(middle));
         let power = optics.rule == OpacityRule::Power;
 
-        // The extinction's series: κ·unit = k₀ − ln(1 − x) or k₀ + x, x = x₁t + x₂t² + x₃t³, |x| ≤ ρ|t|.
+        // κ·unit = k₀ − ln(1 − x) or k₀ + x, x = x₁t + x₂t² + x₃t³, |x| ≤ ρ|t|.
         let scale = if power { real(piece.opacity_slope / clearness) } else { real(piece.opacity_slope) };
         let (x1, x2, x3) = (c[1] * scale, c[2] * scale, c[3] * scale);
         let (s1, s2, s3) = (x1.abs().to_f64(), x2.abs().to_f64(), x3.abs().to_f64());
         let rho = s1 + s2 + s3;
         let off = 5.0 * piece.steepest_opacity * noise;
-        let (k0, k1, k2, k3, mean, mean_error, tail, rate_error);
+        let (k, mean, mean_error, tail, error);
         if power {
             if !(rho <= 0.9 && 2.0 * off <= clearness * (1.0 - rho)) {
                 return None;
             }
-            k0 = if alpha < 0.5 { -real(-alpha).ln_1p() } else { real(-libm::log(clearness)) };
-            k1 = x1;
-            k2 = x2 + real(0.5) * x1 * x1;
-            k3 = x3 + x1 * x2 + x1 * x1 * x1 * real(1.0 / 3.0);
+            let k0 = if alpha < 0.5 { -real(-alpha).ln_1p() } else { real(-libm::log(clearness)) };
+            let k2 = x2 + real(0.5) * x1 * x1;
+            k = [k0, x1, k2, x3 + x1 * x2 + x1 * x1 * x1 * real(1.0 / 3.0)];
             let square =
                 x1 * x1 * real(1.0 / 3.0) + (x2 * x2 + real(2.0) * x1 * x3) * real(0.2) + x3 * x3 * real(1.0 / 7.0);
             let cube = real(0.6) * x1 * x1 * x2
@@ -135,18 +134,68 @@ impl<R: Real> Depth<R> {
                 + s3 * (s1 + s2)
                 + rest * (r2 + rho * s1 + s1 * s1) / 3.0
                 + r4 / (4.0 * (1.0 - rho));
-            rate_error = off / (clearness * (1.0 - rho) - off);
+            error = off / (clearness * (1.0 - rho) - off);
         } else {
-            k0 = real(alpha);
-            (k1, k2, k3) = (x1, x2, x3);
+            let k0 = real(alpha);
+            k = [k0, x1, x2, x3];
             mean = k0 + x2 * real(1.0 / 3.0);
-            (mean_error, tail, rate_error) = (0.0, 0.0, off);
+            (mean_error, tail, error) = (0.0, 0.0, off);
         }
+        let rounding = 8.0 * u * (k[0].abs().to_f64() + 4.0 * rho);
+        Some(Self { k, tail, mean, mean_error, error, rounding })
+    }
+
+    /// Returns that of one stored number.
+    fn uniform(rate: f64) -> Self {
+        let k = [R::from_f64(rate), R::ZERO, R::ZERO, R::ZERO];
+        let error = 2.0 * R::ROUNDOFF * rate;
+        Self { k, tail: 0.0, mean: k[0], mean_error: 0.0, error, rounding: 0.0 }
+    }
+
+    /// Returns a bound of |k₀| + |k₁| + |k₂| + |k₃|.
+    fn size(&self) -> f64 {
+        let [k0, k1, k2, k3] = self.k.map(|k| k.abs().to_f64());
+        k0 + k1 + k2 + k3
+    }
+
+    /// Returns the extinction times a factor.
+    fn times(&self, factor: &Series) -> Self {
+        let k = self.k.map(R::to_f64);
+        let (size, gain) = (self.size(), factor.size());
+        let of = |series: &Series| (series.c.map(R::from_f64), series.rest);
+        let own = Series { c: k, rest: self.tail };
+        let (product, tail) = of(&own.product(factor));
+        // The mean of κ is known better than its series: only what the factor changes by goes by that.
+        let [m0, m1, m2, m3] = factor.c;
+        let mean = m0 * self.mean.to_f64()
+            + m1 * (k[1] / 3.0 + k[3] / 5.0)
+            + m2 * (k[0] / 3.0 + k[2] / 5.0)
+            + m3 * (k[1] / 5.0 + k[3] / 7.0);
+        let changes = m1.abs() + m2.abs() + m3.abs();
+        let mean_error = m0.abs() * self.mean_error + changes * self.tail + factor.rest * (size + self.tail);
+        let rounding = (self.rounding + 16.0 * R::ROUNDOFF * size) * gain;
+        Self { k: product, tail, mean: R::from_f64(mean), mean_error, error: self.error * gain, rounding }
+    }
+}
+
+/// Optical depth of a step along which the extinction is known.
+struct Depth<R> {
+    rate: Rate<R>,
+    /// Optical depth per value of κ · unit.
+    per_rate: f64,
+    /// The step, as yet without light.
+    step: Step,
+}
+
+impl<R: Real> Depth<R> {
+    /// `None` where the series says nothing.
+    #[inline]
+    fn new(optics: &Optics, rate: Rate<R>, length: f64) -> Option<Self> {
+        let u = 2.0 * R::ROUNDOFF;
         let per_rate = length / optics.unit;
-        let rate = k0.abs().to_f64();
-        let tau = (real(per_rate) * mean).max(R::ZERO);
-        let tau_rounding = per_rate * (rate_error + 8.0 * u * (rate + 4.0 * rho)) + 2.0 * u * tau.to_f64();
-        let tau_error = per_rate * mean_error + tau_rounding;
+        let tau = (R::from_f64(per_rate) * rate.mean).max(R::ZERO);
+        let tau_rounding = per_rate * (rate.error + rate.rounding) + 2.0 * u * tau.to_f64();
+        let tau_error = per_rate * rate.mean_error + tau_rounding;
         if tau_error >= 1.0 || tau_error.is_nan() {
             return None;
         }
@@ -160,13 +209,7 @@ impl<R: Real> Depth<R> {
             rounding: [transmittance * tau_rounding, 0.0],
             ..Step::default()
         };
-        Some(Self { k: [k0, k1, k2, k3], tail, rate_error, per_rate, step })
-    }
-
-    /// Returns a bound of |k₀| + |k₁| + |k₂| + |k₃|.
-    fn size(&self) -> f64 {
-        let [k0, k1, k2, k3] = self.k.map(|k| k.abs().to_f64());
-        k0 + k1 + k2 + k3
+        Some(Self { rate, per_rate, step })
     }
 
     /// Returns the depth of a step through one stored number.
@@ -174,8 +217,7 @@ impl<R: Real> Depth<R> {
         let per_rate = length / optics.unit;
         let a = opacity(rate * per_rate);
         let step = Step { length, opacity: a, opacity_error: ROUNDING * a, ..Step::default() };
-        let k = [R::from_f64(rate), R::ZERO, R::ZERO, R::ZERO];
-        Self { k, tail: 0.0, rate_error: 2.0 * R::ROUNDOFF * rate, per_rate, step }
+        Self { rate: Rate::uniform(rate), per_rate, step }
     }
 }
 
@@ -196,13 +238,13 @@ impl<R: Real> Transparency<R> {
     fn inside(depth: &Depth<R>) -> Option<Self> {
         let real = R::from_f64;
         let u = 2.0 * R::ROUNDOFF;
-        let [k0, k1, k2, k3] = depth.k;
+        let Rate { k: [k0, k1, k2, k3], tail, error, .. } = depth.rate;
         // y = y₁t + y₂t² + y₃t³ + ….
         let y1 = real(0.5 * depth.per_rate) * k0;
         let y2 = real(0.25 * depth.per_rate) * k1;
         let y3 = real(depth.per_rate / 6.0) * k2;
         let (m1, m2) = (y1.abs().to_f64(), y2.abs().to_f64());
-        let behind = depth.per_rate * (0.125 * (k3.abs().to_f64() + depth.tail) + depth.rate_error);
+        let behind = depth.per_rate * (0.125 * (k3.abs().to_f64() + tail) + error);
         let z = y3.abs().to_f64() + behind;
         let all = m1 + m2 + z;
         let (p1, p2) = (-y1, real(0.5) * y1 * y1 - y2);
@@ -226,13 +268,13 @@ impl<R: Real> Transparency<R> {
     /// Returns the coefficients of κ·unit·P/P₀ = g₀ + g₁t + g₂t² + g₃t³ + …, and a bound of what they leave out.
     #[inline]
     fn absorbed(&self, depth: &Depth<R>) -> ([R; 4], f64) {
-        let [k0, k1, k2, k3] = depth.k;
+        let Rate { k: [k0, k1, k2, k3], tail, error, .. } = depth.rate;
         let [p1, p2, p3] = self.p;
         let g = [k0, k1 + k0 * p1, k2 + k1 * p1 + k0 * p2, k3 + k2 * p1 + k1 * p2 + k0 * p3];
         let [m_k1, m_k2, m_k3] = [k1, k2, k3].map(|k| k.abs().to_f64());
         let [m_p1, m_p2, m_p3] = [p1, p2, p3].map(|p| p.abs().to_f64());
-        let left_out = (depth.tail + depth.rate_error) * self.growth
-            + depth.size() * (self.missed + self.scaled)
+        let left_out = (tail + error) * self.growth
+            + depth.rate.size() * (self.missed + self.scaled)
             + m_k1 * m_p3
             + m_k2 * (m_p2 + m_p3)
             + m_k3 * (m_p1 + m_p2 + m_p3);
@@ -257,7 +299,7 @@ pub(super) fn smooth<R: Real>(
     let real = R::from_f64;
     let u = 2.0 * R::ROUNDOFF;
     let c = cubic.about_middle();
-    let depth = Depth::along(optics, piece, &c, base, noise, length)?;
+    let depth = Depth::new(optics, Rate::along(optics, piece, &c, base, noise)?, length)?;
     let source = piece.source_at(base + c[0].to_f64());
     let steep = piece.source_steepness();
     let spread = c[1].abs().to_f64() + c[2].abs().to_f64() + c[3].abs().to_f64();
@@ -294,7 +336,7 @@ pub(super) fn smooth<R: Real>(
         c1 * (g[1] * third + g[3] * fifth) + c2 * (g[0] * third + g[2] * fifth) + c3 * (g[1] * fifth + g[3] * seventh);
     let weight = depth.per_rate * (inside.first * weight).to_f64();
     // |c₁t + c₂t² + c₃t³| ≤ spread·|t|, whose mean is ½.
-    let light_error = depth.per_rate * steep * spread * (0.5 * left_out + 8.0 * u * depth.size())
+    let light_error = depth.per_rate * steep * spread * (0.5 * left_out + 8.0 * u * depth.rate.size())
         + (source_off + 4.0 * u * brightest) * step.opacity;
     let crude = plain(step);
     if light_error >= crude.light_error {
@@ -305,39 +347,95 @@ pub(super) fn smooth<R: Real>(
     Some(step)
 }
 
-/// Returns the step along a cubic as [`smooth`] does, its light reflected.
-pub(super) fn smooth_reflected<R: Real>(
+/// What the gradient makes of a medium on a step.
+#[derive(Clone, Copy)]
+pub(super) struct ByGradient<'a> {
+    /// Reflection of its light, and the factor on extinction; `None` where these stay as they are.
+    pub(super) reflected: Option<&'a Reflected>,
+    pub(super) factor: Option<&'a Series>,
+}
+
+impl ByGradient<'_> {
+    /// Returns the step through a medium of an extinction and of colours or emissions that are known as series. `rounding`: the part of their rests that shorter
+    /// steps would not make smaller.
+    fn step<R: Real>(
+        &self,
+        optics: &Optics,
+        rate: Rate<R>,
+        sources: [Series; 3],
+        rounding: f64,
+        length: f64,
+    ) -> Option<Step> {
+        let rate = if let Some(factor) = self.factor { rate.times(factor) } else { rate };
+        let depth = Depth::new(optics, rate, length)?;
+        if optics.emits {
+            return with_emission(&depth, &sources, rounding);
+        }
+        let gain = self.reflected.map_or(1.0, |r| r.factor.iter().map(Series::size).fold(0.0, f64::max));
+        Some(with_light(&depth, &self.colors(sources), rounding * gain))
+    }
+
+    fn colors(&self, sources: [Series; 3]) -> [Series; 3] {
+        self.reflected.map_or(sources, |reflected| std::array::from_fn(|c| reflected.of(&sources[c], c)))
+    }
+}
+
+/// Returns the step along a cubic as [`smooth`] does, of a medium that follows the gradient.
+pub(super) fn smooth_by_gradient<R: Real>(
     optics: &Optics,
     piece: &Piece,
     cubic: &Cubic<R>,
     (base, noise): (f64, f64),
     length: f64,
-    reflected: &Reflected,
+    gradient: ByGradient<'_>,
 ) -> Option<Step> {
     let c = cubic.about_middle();
-    let depth = Depth::along(optics, piece, &c, base, noise, length)?;
+    let rate = Rate::along(optics, piece, &c, base, noise)?;
     let source = piece.source_at(base + c[0].to_f64());
     let off = 5.0 * piece.steepest_source * noise;
-    let colors = std::array::from_fn(|i| {
+    let sources = std::array::from_fn(|i| {
         let slope = piece.source_slope[i];
         let rising = [1, 2, 3].map(|k| slope * c[k].to_f64());
-        let color = Series { c: [source[i], rising[0], rising[1], rising[2]], rest: off };
-        reflected.of(&color, i)
+        Series { c: [source[i], rising[0], rising[1], rising[2]], rest: off }
     });
-    // Shorter steps would not make smaller what the field is off by.
-    let rounding = off * (0..3).map(|i| reflected.factor[i].size()).fold(0.0, f64::max);
-    Some(with_light(&depth, &colors, rounding))
+    gradient.step(optics, rate, sources, off, length)
 }
 
-/// Returns the step through one stored number, its light reflected.
-pub(super) fn constant_reflected(
+/// Returns the step through one stored number, of a medium that follows the gradient; `None` where series say nothing.
+pub(super) fn constant_by_gradient(
     optics: &Optics,
     (rate, source): (f64, [f64; 3]),
     length: f64,
-    reflected: &Reflected,
-) -> Step {
-    let colors = std::array::from_fn(|i| reflected.of(&Series::constant(source[i]), i));
-    with_light(&Depth::<f64>::uniform(optics, rate, length), &colors, 0.0)
+    gradient: ByGradient<'_>,
+) -> Option<Step> {
+    let sources = source.map(Series::constant);
+    if gradient.factor.is_none() {
+        // However deep it is.
+        return Some(with_light(&Depth::<f64>::uniform(optics, rate, length), &gradient.colors(sources), 0.0));
+    }
+    gradient.step(optics, Rate::<f64>::uniform(rate), sources, 0.0, length)
+}
+
+/// Adds light that is emitted, of emissions that are known as series; `None` where the transparency is not.
+fn with_emission<R: Real>(depth: &Depth<R>, emissions: &[Series; 3], rounding: f64) -> Option<Step> {
+    let u = 2.0 * R::ROUNDOFF;
+    let inside = Transparency::inside(depth)?;
+    let [p1, p2, p3] = inside.p.map(R::to_f64);
+    let first = inside.first.to_f64();
+    // Means of P times 1, t, t² and t³ over the step.
+    let weights = [1.0 + p2 / 3.0, p1 / 3.0 + p3 / 5.0, 1.0 / 3.0 + p2 / 5.0, p1 / 5.0 + p3 / 7.0];
+    let mut step = depth.step;
+    let length = step.length;
+    step.light = emissions.map(|emission| {
+        let mean = (0..4).map(|k| emission.c[k] * weights[k]).sum::<f64>();
+        (length * first * mean).max(0.0)
+    });
+    let missed = inside.missed + inside.scaled + 8.0 * u;
+    let off = |emission: &Series| length * (emission.size() * missed + emission.rest);
+    step.light_error = emissions.iter().map(off).fold(0.0, f64::max);
+    step.variation = 2.0 * emissions.iter().map(Series::spread).fold(0.0, f64::max);
+    step.rounding[1] = rounding * length;
+    Some(step)
 }
 
 /// Adds the light of a density emitter whose colours are known as series. `rounding`: the part of their rests that shorter steps would not make smaller.
@@ -360,7 +458,7 @@ fn with_light<R: Real>(depth: &Depth<R>, colors: &[Series; 3], rounding: f64) ->
     let g = g.map(|g| (inside.first * g).to_f64() * depth.per_rate);
     // Means of κ·P times t, t² and t³ over the step.
     let weights = [g[1] / 3.0 + g[3] / 5.0, g[0] / 3.0 + g[2] / 5.0, g[1] / 5.0 + g[3] / 7.0];
-    let missed = depth.per_rate * (0.5 * left_out + 8.0 * u * depth.size());
+    let missed = depth.per_rate * (0.5 * left_out + 8.0 * u * depth.rate.size());
     step.light = colors.map(|color| {
         let changes = (1..4).map(|k| color.c[k] * weights[k - 1]).sum::<f64>();
         (color.c[0] * step.opacity + changes).max(0.0)

@@ -1,21 +1,27 @@
 //! Walk along a ray through the blocks and cells of a grid.
 
-use vr_core::filter::{Lattice, Nearest, Reconstruction};
-use vr_core::{IndexRay, Real, VacuumCells, Voxel};
+use vr_core::filter::{Filter, Lattice, Nearest, Reconstruction};
+use vr_core::{GridVolume, IndexRay, Real, Voxel};
 
 use super::blocks::{Blocks, EDGE};
 use super::crossed::Crossed;
 use super::cubic::Cubic;
+use super::normals::{Gradients, Normals};
 use super::piece_by_piece::Place;
-use super::reflection::{Normals, RayReflection};
+use super::wide_cells::WideCell;
 
 /// Field that rays go through.
 pub(super) struct Medium<'a, T> {
+    /// The numbers under the filter: voxels, or coefficients for the B-spline.
     pub(super) lattice: Lattice<'a, T>,
-    pub(super) vacuum: Option<&'a VacuumCells>,
-    /// True under the filter nearest, false under trilinear.
-    pub(super) nearest: bool,
+    pub(super) filter: Filter,
+    /// Its vacuum, and, for the B-spline, the voxels themselves.
+    pub(super) volume: &'a GridVolume,
     pub(super) blocks: &'a Blocks,
+    /// `None` where nothing looks at them.
+    pub(super) gradients: Option<&'a Gradients>,
+    /// Error that is promised.
+    pub(super) error: f64,
 }
 
 /// Sum or search along a ray, which takes its blocks and cells in turn, from the eye into the depth.
@@ -29,30 +35,21 @@ pub(super) trait Course {
     /// True if no value of a range matters.
     fn passes_values(&self, range: [f64; 2]) -> bool;
 
-    /// True if gradients matter.
-    fn looks_at_normals(&self) -> bool;
+    /// Returns what the field may be off by where its values are in a range, without that it matters.
+    fn resolution(&self, range: [f64; 2]) -> f64;
 
-    /// Takes a stretch of one stored number. `normals` gives those along it, where light is reflected.
-    fn constant(&mut self, stored: f64, normals: impl FnOnce(&RayReflection<'_>) -> Normals, s: f64, length: f64);
+    /// Takes a stretch of one stored number. `normals` gives the gradient along it.
+    fn constant(&mut self, stored: f64, normals: impl FnOnce() -> Normals, s: f64, length: f64);
 
     /// Takes a cell, along which the field is the place's base + `cubic`.
-    fn cell<R: Real>(
-        &mut self,
-        cubic: Cubic<R>,
-        place: Place,
-        normals: impl FnOnce(&RayReflection<'_>) -> Normals,
-        s: f64,
-        length: f64,
-    );
+    fn cell<R: Real>(&mut self, cubic: Cubic<R>, place: Place, normals: impl FnOnce() -> Normals, s: f64, length: f64);
 }
 
 /// Goes along a ray: over blocks at once where that is good enough, else cell by cell.
-pub(super) fn along<R: Real, T: Voxel>(
-    &Medium { ref lattice, vacuum, nearest, blocks }: &Medium<'_, T>,
-    ray: &IndexRay,
-    course: &mut impl Course,
-) {
-    let shifts: &[f64] = match (nearest, vacuum.is_some() || course.looks_at_normals()) {
+pub(super) fn along<R: Real, T: Voxel>(medium: &Medium<'_, T>, ray: &IndexRay, course: &mut impl Course) {
+    let &Medium { ref lattice, filter, volume, blocks, gradients, .. } = medium;
+    let (vacuum, nearest) = (volume.vacuum_cells(), filter == Filter::Nearest);
+    let shifts: &[f64] = match (nearest, vacuum.is_some() || gradients.is_some()) {
         (false, _) => &[0.0],
         (true, false) => &[0.5],
         // Constant around each sample; vacuum begins, and gradients change, at the lattice.
@@ -84,17 +81,22 @@ pub(super) fn along<R: Real, T: Voxel>(
             continue;
         }
         let crossed = || Crossed::new(ray, cell, [from, next], misplaced);
-        if nearest {
-            let normals = |reflection: &RayReflection<'_>| reflection.normals(lattice, &crossed(), true);
-            course.constant(Nearest::value(lattice, middle), normals, from, next - from);
-        } else {
-            trilinear::<R, T>(lattice, &crossed(), [from, next], course);
+        match filter {
+            Filter::Nearest => {
+                let normals = || gradients.map_or(Normals::Absent, |g| g.along(lattice, &crossed(), true));
+                course.constant(Nearest::value(lattice, middle), normals, from, next - from);
+            }
+            Filter::Trilinear => trilinear::<R, T>(lattice, gradients, &crossed(), [from, next], course),
+            Filter::BSpline | Filter::CatmullRom | Filter::Gaussian => {
+                WideCell::new(medium, ray, cell, misplaced).cross::<R>([from, next], course);
+            }
         }
     }
 }
 
 fn trilinear<R: Real, T: Voxel>(
     lattice: &Lattice<'_, T>,
+    gradients: Option<&Gradients>,
     crossed: &Crossed,
     [from, to]: [f64; 2],
     course: &mut impl Course,
@@ -110,7 +112,7 @@ fn trilinear<R: Real, T: Voxel>(
         [corner(0), corner(1), corner(row), corner(row + 1), corner(slice), corner(slice + 1), corner(slice + row), c7];
     let (low, high) = c.iter().fold((c[0], c[0]), |(l, h), &x| (l.min(x), h.max(x)));
     let base = f64::from(c[0]);
-    let normals = |reflection: &RayReflection<'_>| reflection.normals(lattice, crossed, false);
+    let normals = || gradients.map_or(Normals::Absent, |gradients| gradients.along(lattice, crossed, false));
     if low == high {
         course.constant(base, normals, from, to - from);
         return;
@@ -124,7 +126,7 @@ fn trilinear<R: Real, T: Voxel>(
     let cubic = Cubic::across_box(c.map(|x| R::from_f32(x) - start), &part);
     // In a face, as far as rounding can tell, some samples have no weight.
     let limits = (!crossed.in_face).then_some([f64::from(low), f64::from(high)]);
-    course.cell(cubic, Place { base, reach, limits, misplaced }, normals, from, to - from);
+    course.cell(cubic, Place { base, reach, limits, misplaced, off: 0.0 }, normals, from, to - from);
 }
 
 /// Returns the largest error of positions along a ray, in cells: a few units in the last place of the largest numbers that they are made of.

@@ -3,9 +3,10 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 use glam::DVec3;
-use vr_core::{GradientMethod, Light, Shading};
+use vr_core::{Light, Shading};
 use vr_kernels::vector::{Field, LANES, Lanes, PacketLights, Pairs, Stage, pick, power_of, splat};
 
+use super::super::normals::Gradients;
 use super::super::reflection::Reflection;
 use super::gradients::{Corners, Derivatives};
 
@@ -81,16 +82,14 @@ const NEAR: f32 = 64.0 * U;
 impl PacketReflection {
     /// Takes the reflection of a scene over; `None` where packets have no bound for it: under gradients of the filter, which jump from cell to cell, and
     /// highlights of a power below 3 (but 2), the third derivatives of which have no bound. `span`: the difference of the largest and the smallest value.
-    pub(super) fn new(reflection: &Reflection, brightest_color: f64, span: f64) -> Option<Self> {
+    pub(super) fn new(reflection: &Reflection, gradients: &Gradients, brightest_color: f64, span: f64) -> Option<Self> {
         let shading: &Shading = &reflection.shading;
-        if shading.gradient != GradientMethod::CentralDifferences
-            || (shading.specular > 0.0 && shading.power < 3.0 && shading.power != 2.0)
-        {
+        if gradients.analytic || (shading.specular > 0.0 && shading.power < 3.0 && shading.power != 2.0) {
             return None;
         }
         let total = [0, 1, 2].map(|c| reflection.lights.iter().map(|light| light.color[c]).sum::<f64>());
         let most = total.into_iter().fold(0.0, f64::max);
-        let rows = &reflection.to_world;
+        let rows = &gradients.to_world;
         let columns = [0, 1, 2].map(|a| DVec3::new(rows[0][a], rows[1][a], rows[2][a]).length());
         let up = |x: f64| x as f32 * (1.0 + 1e-6);
         Some(Self {
@@ -440,8 +439,9 @@ mod tests {
         let mut scene = Scene::new(Volume::Grid(volume.clone()), look);
         scene.shading = Some(Arc::new(shading));
         scene.lights = vec![Light::default(), Light { direction: Some(case.sun.into()), color: [0.7; 3] }];
-        let reflection = Reflection::new(&scene, &volume, 1.0).unwrap();
-        let packets = PacketReflection::new(&reflection, 1.0, 1e13).unwrap();
+        let reflection = Reflection::new(&scene, 1.0).unwrap();
+        let gradients = Gradients::new(&scene, &volume).unwrap();
+        let packets = PacketReflection::new(&reflection, &gradients, 1.0, 1e13).unwrap();
         let direction = DVec3::from(case.view).normalize();
         let mut lights = PacketLights::default();
         lights.look_along(&scene.lights, &[0, 1, 2].map(|a| [direction[a]; LANES]));
@@ -471,7 +471,7 @@ mod tests {
             let at: [f64; 3] = std::array::from_fn(|a| case.from[a] + t * (to[a] - case.from[a]));
             let weight = |i: usize| (0..3).map(|a| if i >> a & 1 == 1 { at[a] } else { 1.0 - at[a] }).product::<f64>();
             let per_index: [f64; 3] = std::array::from_fn(|a| (0..8).map(|i| weight(i) * corners[i][a]).sum());
-            let world = reflection.to_world.map(|row| (0..3).map(|a| row[a] * per_index[a]).sum());
+            let world = gradients.to_world.map(|row| (0..3).map(|a| row[a] * per_index[a]).sum());
             let want = reflected(ray, world);
             let parabola = |ends: &[Lanes; 3]| {
                 let [a, b, c] = ends.map(|l| f64::from(l.0[3]));

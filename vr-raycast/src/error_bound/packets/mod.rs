@@ -21,6 +21,7 @@ use vr_core::{Counts, Filter, GridVolume, Layer, ParameterError, Rays, View, wit
 use vr_kernels::vector::{self, Chords, Field, LANES, Lanes, PacketLights, Pairs, Stage, Vectorized};
 
 use super::blocks::{Blocks, EDGE, State};
+use super::normals::Gradients;
 use super::optics::Optics;
 use super::reflection::Reflection;
 use crate::leap::VisibleBlocks;
@@ -55,7 +56,7 @@ impl BoundedPackets {
         volume: &GridVolume,
         optics: &Optics,
         blocks: &Blocks,
-        reflection: Option<&Reflection>,
+        reflected: Option<(&Reflection, &Gradients)>,
     ) -> Option<Self> {
         if volume.filter() != Filter::Trilinear || volume.vacuum_cells().is_some() {
             return None;
@@ -67,9 +68,9 @@ impl BoundedPackets {
         let (low, high) = volume.value_stats().range?;
         let unit = volume.placement().spacing().min_element();
         let span = (high - low).next_up();
-        let (reflection, brightness) = match reflection {
-            Some(reflection) => {
-                let packets = PacketReflection::new(reflection, optics.brightest, f64::from(span))?;
+        let (reflection, brightness) = match reflected {
+            Some((reflection, gradients)) => {
+                let packets = PacketReflection::new(reflection, gradients, optics.brightest, f64::from(span))?;
                 let brightness = [reflection.brightest, packets.largest_factor()];
                 (Some(packets), brightness)
             }

@@ -1,72 +1,101 @@
-//! The Gaussian's field in one cell along a ray: no polynomial, so it is interpolated at Chebyshev points, with a bound.
+//! The field of a filter of four taps per axis in one cell along a ray, interpolated at Chebyshev points, with a bound of what that misses.
 //!
-//! On the Bernstein ellipse of parameter ρ the coordinates leave the real axis by at most y = b·|half|, b = (ρ − 1/ρ)/2. There a tap is
+//! The B-spline and the Catmull-Rom cubic are polynomials of degree 9 there, which are met to rounding. The Gaussian is none: on the Bernstein ellipse of
+//! parameter ρ the coordinates leave the real axis by at most y = b·|half|, b = (ρ − 1/ρ)/2. There a tap is
 //! at most e^(y²/2σ²) times its real size, and the taps' sum is bounded from below by Poisson's sum over all of the lattice, less
 //! the taps that the filter leaves out. Interpolation misses at most 4 M ρ^(−n)/(ρ − 1) where the field is no larger than M
 //! (Trefethen, *Approximation Theory and Approximation Practice*, 2013, theorem 8.2).
 
 use glam::DVec3;
-use vr_core::bound::Bound;
-use vr_core::field::{LEBESGUE, Poly, interpolation};
-use vr_core::filter::{GAUSSIAN_RADIUS, GAUSSIAN_SIGMA, Lattice};
-use vr_core::{Filter, Voxel};
 
-/// Degree of the interpolation: a gradient's square has twice that, the largest degree that there is.
+use super::chebyshev::{LEBESGUE, interpolation};
+use super::poly::Poly;
+use crate::bound::Bound;
+use crate::filter::{Filter, GAUSSIAN_RADIUS, GAUSSIAN_SIGMA, Lattice, Taps4};
+use crate::voxel::Voxel;
+
+/// Degree of the interpolation of the Gaussian: a gradient's square has twice that, the largest degree that there is.
 const DEGREE: usize = 12;
+/// Degree of a product of three cubics.
+const CUBIC_DEGREE: usize = 9;
 
-/// The field on a part of a cell, in stored units, less a base.
-pub(crate) struct GaussianPart {
-    pub(crate) field: Poly,
-    pub(crate) error: Bound,
-    /// The gradient per index step, and the error of each component.
-    pub(crate) gradient: Option<([Poly; 3], Bound)>,
+/// The field of a filter of four taps on a part of a cell, in stored units, less a base: polynomials of t from −1 to 1.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::field::InterpolatedCell;
+/// use vr_core::filter::{CatmullRom, CatmullRomTaps, Lattice, Reconstruction};
+///
+/// let samples: Vec<f32> = (0..64).map(|i| (i % 7) as f32).collect();
+/// let lattice = Lattice { samples: &samples[..], dims: [4; 3] };
+/// let (middle, half) = (DVec3::new(1.5, 1.5, 1.5), DVec3::new(0.5, 0.3, -0.4));
+/// let part = InterpolatedCell::new::<CatmullRomTaps, _>(&lattice, [1; 3], 3.0, 6.0, [middle, half], 0.0, false);
+/// let want: f64 = CatmullRom::value(&lattice, (middle + half * 0.7).to_array());
+/// assert!((3.0 + part.field.at(0.7) - want).abs() <= part.error.value());
+/// ```
+#[derive(Clone, Debug)]
+pub struct InterpolatedCell {
+    /// The field, less the base.
+    pub field: Poly,
+    /// Upper bound of what that is off by.
+    pub error: Bound,
+    /// The gradient per index step, and a bound of what each component is off by.
+    pub gradient: Option<([Poly; 3], Bound)>,
 }
 
-/// Interpolates on the part `middle ± half` (index space) of a cell whose voxels are within `reach` of `base`; `reach` is not 0.
-pub(crate) fn interpolate<T: Voxel>(
-    lattice: &Lattice<'_, T>,
-    cell: [usize; 3],
-    base: f64,
-    reach: f64,
-    [middle, half]: [DVec3; 2],
-    with_gradient: bool,
-) -> GaussianPart {
-    let samples = gather(lattice, cell, base);
-    let rule = interpolation(DEGREE);
-    let (mut values, mut slopes) = ([0.0; DEGREE + 1], [[0.0; DEGREE + 1]; 3]);
-    for (j, &node) in rule.nodes.iter().enumerate() {
-        let at = middle + half * node;
-        let taps: [Taps; 3] = std::array::from_fn(|a| Taps::new(at[a] - cell[a] as f64));
-        values[j] = sum(&samples, [&taps[0].weights, &taps[1].weights, &taps[2].weights]);
-        if with_gradient {
-            for a in 0..3 {
-                let weights = std::array::from_fn(|b| if a == b { &taps[b].slopes } else { &taps[b].weights });
-                slopes[a][j] = sum(&samples, weights);
+impl InterpolatedCell {
+    /// Interpolates on the part `middle ± half` (index space) of a cell whose samples, under the filter's taps, are within `reach` of `base`; `reach` is not 0. The
+    /// last Chebyshev coefficients of the field are left out as long as they are no more than `negligible`.
+    pub fn new<K: Taps4, T: Voxel>(
+        lattice: &Lattice<'_, T>,
+        cell: [usize; 3],
+        base: f64,
+        reach: f64,
+        [middle, half]: [DVec3; 2],
+        negligible: f64,
+        with_gradient: bool,
+    ) -> Self {
+        let samples = gather::<K, T>(lattice, cell, base);
+        let is_cubic = K::FILTER != Filter::Gaussian;
+        let degree = if is_cubic { CUBIC_DEGREE } else { DEGREE };
+        let rule = interpolation(degree);
+        let (mut values, mut slopes) = ([0.0; DEGREE + 1], [[0.0; DEGREE + 1]; 3]);
+        for (j, &node) in rule.nodes.iter().enumerate() {
+            let at = (middle + half * node).to_array();
+            let place: [f64; 3] = std::array::from_fn(|a| at[a] - cell[a] as f64);
+            let weights = place.map(K::weights::<f64>);
+            values[j] = sum(&samples, weights.each_ref());
+            if with_gradient {
+                let derivatives = place.map(K::derivatives::<f64>);
+                for a in 0..3 {
+                    let taps = std::array::from_fn(|b| if a == b { &derivatives[b] } else { &weights[b] });
+                    slopes[a][j] = sum(&samples, taps);
+                }
             }
         }
-    }
-    let noise = f64::EPSILON * reach;
-    let through = |values: &[f64]| rule.through(values, noise);
-    // Some twenty roundings of each weight, and the sum of 64 products.
-    let rounding = 256.0 * LEBESGUE * noise;
-    let (field, dropped) = through(&values);
-    let (missed, slopes_missed) = remainder(half);
-    let error = missed * reach + rounding + dropped;
-    let gradient = with_gradient.then(|| {
-        let mut off = slopes_missed * reach + 8.0 * rounding;
-        let gradient = slopes.map(|values| {
-            let (slope, dropped) = through(&values);
-            off += dropped;
-            slope
+        let noise = f64::EPSILON * reach;
+        // Some twenty roundings of each weight, and the sum of 64 products.
+        let rounding = 256.0 * LEBESGUE * noise;
+        let (field, dropped) = rule.through(&values[..=degree], noise.max(negligible));
+        let (missed, slopes_missed) = if is_cubic { (Bound::ZERO, Bound::ZERO) } else { remainder(half) };
+        let error = missed * reach + rounding + dropped;
+        let gradient = with_gradient.then(|| {
+            let mut off = slopes_missed * reach + 8.0 * rounding;
+            let gradient = slopes.map(|values| {
+                let (slope, dropped) = rule.through(&values[..=degree], noise);
+                off += dropped;
+                slope
+            });
+            (gradient, off)
         });
-        (gradient, off)
-    });
-    GaussianPart { field, error, gradient }
+        Self { field, error, gradient }
+    }
 }
 
 /// The 64 values around a cell, less the base; x fastest.
-fn gather<T: Voxel>(lattice: &Lattice<'_, T>, cell: [usize; 3], base: f64) -> [f64; 64] {
-    let index: [[usize; 4]; 3] = std::array::from_fn(|a| Filter::Gaussian.taps(cell[a], lattice.dims[a]));
+fn gather<K: Taps4, T: Voxel>(lattice: &Lattice<'_, T>, cell: [usize; 3], base: f64) -> [f64; 64] {
+    let index: [[usize; 4]; 3] = std::array::from_fn(|a| K::FILTER.taps(cell[a], lattice.dims[a]));
     std::array::from_fn(|i| {
         let sample: f64 = lattice.at(index[0][i & 3], index[1][i >> 2 & 3], index[2][i >> 4]);
         sample - base
@@ -82,26 +111,6 @@ fn sum(samples: &[f64; 64], [x, y, z]: [&[f64; 4]; 3]) -> f64 {
 /// e^(−x²/2σ²)
 fn bell(x: f64) -> f64 {
     libm::exp(-0.5 * (x / GAUSSIAN_SIGMA) * (x / GAUSSIAN_SIGMA))
-}
-
-/// Normalised weights of the four taps along one axis, and their slopes per index step.
-struct Taps {
-    weights: [f64; 4],
-    slopes: [f64; 4],
-}
-
-impl Taps {
-    fn new(t: f64) -> Self {
-        let edge = bell(GAUSSIAN_RADIUS);
-        let x: [f64; 4] = std::array::from_fn(|i| t - (i as f64 - 1.0));
-        let bells = x.map(bell);
-        let raw = bells.map(|b| b - edge);
-        let total: f64 = raw.iter().sum();
-        let weights = raw.map(|w| w / total);
-        let raw_slopes: [f64; 4] = std::array::from_fn(|i| -x[i] / (GAUSSIAN_SIGMA * GAUSSIAN_SIGMA) * bells[i]);
-        let total_slope: f64 = raw_slopes.iter().sum();
-        Self { slopes: std::array::from_fn(|i| (raw_slopes[i] - weights[i] * total_slope) / total), weights }
-    }
 }
 
 /// Bounds the error of interpolation of the field, and of a component of its gradient, per unit of the voxels' reach.
@@ -149,6 +158,7 @@ fn gains(y: f64, beyond: f64) -> (Bound, Bound) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::filter::{BSplineTaps, CatmullRomTaps, GaussianTaps, Reconstruction, Separable};
 
     /// Σ|wᵢ| and Σ|wᵢ'| at a complex point, straight from their definition.
     fn sizes(re: f64, im: f64) -> (f64, f64) {
@@ -199,29 +209,36 @@ mod tests {
         assert!(finite > 15, "{finite}");
     }
 
-    #[test]
-    fn interpolation_misses_no_more_than_its_bound() {
-        use vr_core::filter::{Gaussian, Reconstruction};
+    /// Compares with the filter itself, at places along ever shorter parts of a cell.
+    fn compare<K: Taps4>(least: f64) {
         let samples: Vec<f32> = (0..125).map(|i| ((i * 37) % 101) as f32).collect();
         let lattice = Lattice { samples: &samples[..], dims: [5; 3] };
         let cell = [1, 2, 1];
         for length in [1.0, 0.5, 0.25, 0.125, 0.0625] {
             let half = DVec3::new(0.5, -0.4, 0.3) * length;
             let middle = DVec3::new(1.5, 2.5, 1.5);
-            let part = interpolate(&lattice, cell, 20.0, 101.0, [middle, half], true);
+            let part = InterpolatedCell::new::<K, _>(&lattice, cell, 20.0, 101.0, [middle, half], 0.0, true);
             let (gradient, off) = part.gradient.unwrap();
             for i in 0..=40 {
                 // Not at the ends: there another cell's gradient begins.
                 let t = -0.999 + 0.04995 * f64::from(i);
-                let (f, g): (f64, [f64; 3]) = Gaussian::value_and_gradient(&lattice, (middle + half * t).to_array());
+                let (f, g): (f64, [f64; 3]) =
+                    Separable::<K>::value_and_gradient(&lattice, (middle + half * t).to_array());
                 assert!((part.field.at(t) - (f - 20.0)).abs() <= part.error.value(), "{length}");
                 for a in 0..3 {
                     assert!((gradient[a].at(t) - g[a]).abs() <= off.value(), "{length}");
                 }
             }
-            if length <= 0.25 {
+            if length <= least {
                 assert!(part.error.within(1e-9), "{length}: {:?}", part.error);
             }
         }
+    }
+
+    #[test]
+    fn interpolation_misses_no_more_than_its_bound() {
+        compare::<GaussianTaps>(0.25);
+        compare::<BSplineTaps>(1.0);
+        compare::<CatmullRomTaps>(1.0);
     }
 }
