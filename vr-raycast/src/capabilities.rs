@@ -151,8 +151,14 @@ fn check_field(caster: &RayCaster, scene: &Scene) -> Result<(), RenderError> {
     if caster.filter.is_some() {
         return Err(unsupported(Feature::Filter, format!("a filter over volumes of the kind '{kind}'")));
     }
+    if let Step::ErrorBound(_) = caster.step {
+        if scene.volume.has_colors() {
+            return check_colors(caster);
+        }
+        ErrorBound::check(scene)?;
+    }
     let follows = matches!(caster.step, Step::Local { .. }) && knows_ranges(&scene.volume);
-    let plain = (matches!(caster.step, Step::Uniform(_)) || follows)
+    let plain = (matches!(caster.step, Step::Uniform(_) | Step::ErrorBound(_)) || follows)
         && caster.traversal == Traversal::Samples
         && matches!(caster.rule, Rule::Auto | Rule::Midpoint | Rule::Left)
         && !caster.empty_space.is_named()

@@ -80,6 +80,11 @@ impl Engine {
         source: &Source,
         last: Option<(&Scene, &Self)>,
     ) -> Result<Self, RenderError> {
+        if let Step::ErrorBound(error) = caster.step {
+            let packets = level::of(caster.vector).filter(|_| caster.precision == Precision::F32);
+            let error_bound = ErrorBound::new(error, scene, source, packets)?;
+            return Ok(Self::ErrorBound(Box::new(error_bound)));
+        }
         let Source::Grid(volume) = source else {
             let kernel = TablesByPrecision::of_field(scene, source.placement());
             let lengths = lengths(caster, scene, source.placement());
@@ -107,11 +112,6 @@ impl Engine {
                 None => Self::Field(kernel, lengths),
             });
         };
-        if let Step::ErrorBound(error) = caster.step {
-            let packets = level::of(caster.vector).filter(|_| caster.precision == Precision::F32);
-            let error_bound = ErrorBound::new(error, scene, volume, packets)?;
-            return Ok(Self::ErrorBound(Box::new(error_bound)));
-        }
         let last = match last {
             Some((scene, engine)) => engine.kernel().map(|kernel| (scene, kernel)),
             None => None,

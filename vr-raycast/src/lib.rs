@@ -103,7 +103,7 @@
 //!
 //! # What it does not do yet
 //! Its vector kernels ([`Vector`] says what they draw) know grids, adaptive meshes, rectilinear grids and scattered points: meshes of cells and functions go
-//! ray by ray. Local steps beside voxels with colours are a sixth of a voxel at most. Volumes that are no uniform grids it draws by the rules midpoint and left alone, and those that
+//! ray by ray. Local steps beside voxels with colours are a sixth of a voxel at most. Volumes that are no uniform grids it draws by the rules midpoint and left alone, or within an error bound, and those that
 //! are neither adaptive meshes nor rectilinear grids, whose ranges of values are known part by part, in uniform steps. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
 
 // What the modules hold for classics alone; the check for dead code is that with all features.

@@ -242,7 +242,6 @@ impl PreparedCaster {
                 let single = self.caster.precision == Precision::F32;
                 Box::new(BoundedRays {
                     error_bound,
-                    volume: &error_bound.volume,
                     view,
                     layer,
                     rays: Rays::new(view)?,

@@ -199,6 +199,11 @@ impl Account {
         self.ended = true;
     }
 
+    /// Adds what it costs that the medium goes on longer, or begins earlier, than where it is taken to: by a light and an opacity of so much at most.
+    pub(super) fn misplace(&mut self, opacity: f64, light: f64) {
+        self.error += self.transmittance * (light + opacity * self.max_light(self.start));
+    }
+
     /// True if the proven bound exceeds the one asked for.
     pub(super) fn is_over(&self) -> bool {
         let error = self.error + self.unseen;

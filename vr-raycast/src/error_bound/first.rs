@@ -9,7 +9,7 @@ use super::optics::Optics;
 use super::piece_by_piece::Place;
 use super::reflection::RayReflection;
 use super::series::Series;
-use super::walk::Course;
+use super::walk::{Course, Jump};
 
 /// Largest number of halvings of a cell, after which a part is taken as in doubt.
 const MAX_HALVINGS: u32 = 60;
@@ -210,6 +210,9 @@ impl Course for FirstSearch<'_> {
         // Only where the threshold is matters.
         if self.is_below(range) { f64::INFINITY } else { 0.0 }
     }
+
+    /// Does nothing: places are not what a pixel depends on.
+    fn jump(&mut self, _: &Jump) {}
 
     fn constant(&mut self, stored: f64, normals: impl FnOnce() -> Normals, s: f64, length: f64) {
         self.steps += 1;

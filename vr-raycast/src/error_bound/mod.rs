@@ -5,6 +5,7 @@ mod blocks;
 mod cone;
 mod crossed;
 mod cubic;
+mod field_line;
 mod first;
 mod modulation;
 mod normals;
@@ -12,6 +13,7 @@ pub(crate) mod optics;
 mod packets;
 mod picks;
 mod piece_by_piece;
+mod polynomials;
 mod reflection;
 #[cfg(test)]
 mod seeded;
@@ -20,21 +22,25 @@ mod step;
 mod walk;
 mod wide_cells;
 
+use std::marker::PhantomData;
 use std::sync::Arc;
 
 use fearless_simd::Level;
+use vr_core::field::Chord;
 use vr_core::filter::Lattice;
 use vr_core::image_order::ImageSample;
 use vr_core::{
-    Compositing, Counts, Feature, Filter, GridVolume, IndexRay, LatticeVisitor, Layer, Rays, Real, RenderError, Scene,
-    View, Voxel,
+    Compositing, Counts, Feature, Filter, GridVolume, IndexRay, LatticeVisitor, Layer, Ray, Rays, Real, RenderError,
+    Scene, View, Volume, Voxel,
 };
 use vr_kernels::vector::LANES;
 
 use crate::capabilities::unsupported;
+use crate::source::Source;
 use crate::tracer::{RaySample, Tracer};
 use account::{Account, Limits};
 use blocks::Blocks;
+use field_line::FieldWay;
 use first::FirstSearch;
 use modulation::Modulation;
 use normals::Gradients;
@@ -48,7 +54,7 @@ use walk::{Course, Medium};
 /// Tables of a scene whose pictures keep a bound of the error.
 #[derive(Clone, Debug)]
 pub(crate) struct ErrorBound {
-    pub(crate) volume: Arc<GridVolume>,
+    body: Body,
     optics: Optics,
     /// `None` where nothing looks at them.
     gradients: Option<Gradients>,
@@ -56,14 +62,28 @@ pub(crate) struct ErrorBound {
     reflection: Option<Reflection>,
     /// `None` where extinction stays as it is.
     modulation: Option<Modulation>,
-    blocks: Blocks,
-    /// Packets; `None` where rays go one by one.
-    packets: Option<BoundedPackets>,
     error: f64,
     /// What values that are picked may be off by without that it matters.
     resolution: f64,
     level: f64,
     sought: Sought,
+}
+
+/// Volume that rays go through.
+#[derive(Clone, Debug)]
+enum Body {
+    Grid(Box<Grid>),
+    /// Any other, which tells its course along a ray.
+    Field(Volume),
+}
+
+/// Grid with what is prepared for it.
+#[derive(Clone, Debug)]
+struct Grid {
+    volume: Arc<GridVolume>,
+    blocks: Blocks,
+    /// Packets; `None` where rays go one by one.
+    packets: Option<BoundedPackets>,
 }
 
 /// Result of each ray.
@@ -80,7 +100,7 @@ impl ErrorBound {
     /// Checks that there are bounds for a scene. Returns the level at which light ends.
     ///
     /// # Errors
-    /// [`RenderError::Unsupported`] for what there is no bound for: transfer functions by gradient, and emission given on its own under accumulate.
+    /// [`RenderError::Unsupported`] for what there is no bound for: emission given on its own under accumulate.
     pub(crate) fn check(scene: &Scene) -> Result<f64, RenderError> {
         let without =
             |what: String| Err(unsupported(Feature::MaxError, format!("a promised error (max-error) {what}")));
@@ -88,9 +108,6 @@ impl ErrorBound {
             Compositing::Accumulate { level } => level,
             _ => 1.0,
         };
-        if scene.transfer.has_rows() {
-            return without("with a transfer function by gradient".to_owned());
-        }
         if level < 1.0 && scene.transfer.has_emission() {
             return without("with emission given on its own under compositing 'accumulate'".to_owned());
         }
@@ -101,50 +118,47 @@ impl ErrorBound {
     ///
     /// # Errors
     /// Same as for [`Self::check`].
-    pub(crate) fn new(
-        error: f64,
-        scene: &Scene,
-        volume: &Arc<GridVolume>,
-        vectors: Option<Level>,
-    ) -> Result<Self, RenderError> {
+    pub(crate) fn new(error: f64, scene: &Scene, source: &Source, vectors: Option<Level>) -> Result<Self, RenderError> {
         let level = Self::check(scene)?;
-        let (low, high) = volume.value_stats().range.unwrap_or_default();
-        let largest = f64::from(low.abs().max(high.abs()));
-        let optics = Optics::new(&scene.transfer, volume.calibration(), largest);
-        let blocks = Blocks::new(volume, &optics);
+        let calibration = source.calibration();
+        let largest = match source.grid() {
+            Some(volume) => {
+                let (low, high) = volume.value_stats().range.unwrap_or_default();
+                f64::from(low.abs().max(high.abs()))
+            }
+            None => scene.volume.value_range().map_or(0.0, |(low, high)| low.abs().max(high.abs())),
+        };
+        let optics = Optics::new(&scene.transfer, calibration, largest);
         // A ray that is cut needs more than the account of its sum.
         let sought = match scene.compositing {
             Compositing::First { threshold } => Sought::First(threshold),
-            other => Wanted::by(other, volume.calibration()).map_or(Sought::Light, Sought::Value),
+            other => Wanted::by(other, calibration).map_or(Sought::Light, Sought::Value),
         };
         // A surface shows colours, whatever the medium emits.
         let brightest = match sought {
             Sought::First(_) => scene.transfer.brightest_color(),
             _ => optics.brightest,
         };
-        let gradients = Gradients::new(scene, volume);
+        let gradients = match source.grid() {
+            Some(volume) => Gradients::new(scene, volume),
+            None => Gradients::of_field(scene),
+        };
         let reflection = Reflection::new(scene, brightest);
         let modulation = Modulation::new(scene);
-        let in_packets = level >= 1.0 && matches!(sought, Sought::Light) && modulation.is_none();
-        let packets = vectors.filter(|_| in_packets).and_then(|level| {
-            let reflected = reflection.as_ref().zip(gradients.as_ref());
-            BoundedPackets::new(level, volume, &optics, &blocks, reflected)
-        });
-        let resolution = 0.1 * error / picks::steepest(&scene.transfer, volume.calibration());
-        let volume = Arc::clone(volume);
-        Ok(Self {
-            volume,
-            optics,
-            gradients,
-            reflection,
-            modulation,
-            blocks,
-            packets,
-            error,
-            resolution,
-            level,
-            sought,
-        })
+        let body = match source.grid() {
+            None => Body::Field(scene.volume.clone()),
+            Some(volume) => {
+                let blocks = Blocks::new(volume, &optics);
+                let in_packets = level >= 1.0 && matches!(sought, Sought::Light) && modulation.is_none();
+                let packets = vectors.filter(|_| in_packets).and_then(|level| {
+                    let reflected = reflection.as_ref().zip(gradients.as_ref());
+                    BoundedPackets::new(level, volume, &optics, &blocks, reflected)
+                });
+                Body::Grid(Box::new(Grid { volume: Arc::clone(volume), blocks, packets }))
+            }
+        };
+        let resolution = 0.1 * error / picks::steepest(&scene.transfer, calibration);
+        Ok(Self { body, optics, gradients, reflection, modulation, error, resolution, level, sought })
     }
 
     /// Error that a ray may have: less what storing a pixel as f32 takes.
@@ -156,8 +170,9 @@ impl ErrorBound {
 
     /// Prepares packets for a view, where there are any.
     pub(crate) fn packets(&self, view: &View) -> Result<Option<PacketView<'_>>, RenderError> {
-        let prepared = self.packets.as_ref();
-        Ok(prepared.map(|packets| PacketView::new(packets, &self.volume, view, self.ray_error())).transpose()?)
+        let Body::Grid(grid) = &self.body else { return Ok(None) };
+        let prepared = grid.packets.as_ref();
+        Ok(prepared.map(|packets| PacketView::new(packets, &grid.volume, view, self.ray_error())).transpose()?)
     }
 
     fn limits(&self) -> Limits {
@@ -179,7 +194,6 @@ fn backdrop(layer: &Layer, pixel: usize) -> f32 {
 /// Tracer of the rays of one view within the bound of the error.
 pub(crate) struct BoundedRays<'a> {
     pub(crate) error_bound: &'a ErrorBound,
-    pub(crate) volume: &'a GridVolume,
     pub(crate) view: &'a View,
     pub(crate) layer: Option<&'a Layer>,
     pub(crate) rays: Rays,
@@ -195,10 +209,12 @@ impl Tracer for BoundedRays<'_> {
         for spots in spots.chunks(LANES) {
             let mut traced = [RaySample::NOTHING; LANES];
             let mut open = u32::MAX;
-            if let Some(packets) = self.packets.as_ref().filter(|_| stages.packets.is_worth_while()) {
+            if let (Some(packets), Body::Grid(grid)) = (&self.packets, &self.error_bound.body)
+                && stages.packets.is_worth_while()
+            {
                 let before = counts.rays;
                 let seen = (self.view, self.layer);
-                open = packets.trace(self.volume, &self.rays, seen, spots, &mut traced[..spots.len()], counts);
+                open = packets.trace(&grid.volume, &self.rays, seen, spots, &mut traced[..spots.len()], counts);
                 let failed = open.count_ones();
                 stages.packets.tried += (counts.rays - before) as u32 + failed;
                 stages.packets.failed += failed;
@@ -242,83 +258,91 @@ impl BoundedRays<'_> {
         let layer = self.layer;
         let far = layer.map_or(f64::INFINITY, |l| l.depth(spot.pixel));
         let ray = self.rays.at(spot.x, spot.y);
-        let part = IndexRay::new(&ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far);
         let backdrop = layer.map_or(0.0, |l| f64::from(backdrop(l, spot.pixel)));
-        let value = part.map_or(RaySample::NOTHING, |part| {
+        let value = self.way(&ray, far).map_or(RaySample::NOTHING, |way| {
             counts.rays += 1;
             if let Sought::Value(wanted) = self.error_bound.sought {
-                return self.picked(&part, wanted, counts);
+                return self.picked(&way, wanted, counts);
             }
             let reflection = self.error_bound.reflection.as_ref().map(|r| r.along(ray.direction));
             if let Sought::First(threshold) = self.error_bound.sought {
-                return self.first(&part, reflection, threshold, counts);
+                return self.first(&way, reflection, threshold, counts);
             }
-            let account = self.both_stages(BoundedRay { part, reflection, backdrop }, single, counts);
+            let account = self.both_stages(&way, reflection, backdrop, single, counts);
             counts.terminated += u64::from(account.ended);
             let [r, g, b] = account.light;
             RaySample {
                 rgba: [r, g, b, account.opacity()].map(|x| x as f32),
-                depth: (account.half_way + part.offset) as f32,
+                depth: (account.half_way + way.chord().offset) as f32,
             }
         });
         layer.map_or(value, |l| value.over(l, spot.pixel))
     }
 
+    /// Returns the way of a ray through the volume, up to a world distance; `None` where it does not meet it.
+    fn way(&self, ray: &Ray, far: f64) -> Option<Way<'_>> {
+        let clip = &self.view.clip;
+        let ErrorBound { body, gradients, error, .. } = self.error_bound;
+        match body {
+            Body::Grid(grid) => {
+                let part = IndexRay::new(ray, grid.volume.placement(), grid.volume.dims(), clip, far)?;
+                Some(Way::Grid(part, grid))
+            }
+            Body::Field(volume) => {
+                FieldWay::new(volume.field()?, (ray, clip, far), gradients.as_ref(), *error).map(Way::Field)
+            }
+        }
+    }
+
     /// Picks the value of a ray.
-    fn picked(&self, ray: &IndexRay, wanted: Wanted, counts: &mut Counts) -> RaySample {
-        let search =
-            self.with_lattice(SearchJob { rays: self, ray, search: Search::new(wanted, self.error_bound.resolution) });
+    fn picked(&self, way: &Way<'_>, wanted: Wanted, counts: &mut Counts) -> RaySample {
+        let (search, certain) = self.walk::<f64, _>(way, Search::new(wanted, self.error_bound.resolution));
         counts.samples += search.steps;
         let Some(stored) = search.stored() else { return RaySample::NOTHING };
         let Optics { transfer, calibration, .. } = &self.error_bound.optics;
         let (rgba, off) = picks::pixel(transfer, *calibration, stored);
-        if off > self.error_bound.ray_error() {
-            counts.count_unbounded(off);
-        }
-        RaySample { rgba: rgba.map(|x| x as f32), depth: (search.distance + ray.offset) as f32 }
+        self.judge(off, certain, counts);
+        RaySample { rgba: rgba.map(|x| x as f32), depth: (search.distance + way.chord().offset) as f32 }
     }
 
     /// Shows the first place of a ray where the field reaches a threshold.
     fn first(
         &self,
-        ray: &IndexRay,
+        way: &Way<'_>,
         reflection: Option<RayReflection<'_>>,
         threshold: f64,
         counts: &mut Counts,
     ) -> RaySample {
         let search = FirstSearch::new(&self.error_bound.optics, reflection, threshold);
-        let search = self.with_lattice(SearchJob { rays: self, ray, search });
+        let (search, certain) = self.walk::<f64, _>(way, search);
         counts.samples += search.steps;
         let colors = self.error_bound.optics.transfer.brightest_color();
         let brightest = self.error_bound.reflection.as_ref().map_or(colors, |reflection| reflection.brightest);
         let pixel = search.pixel(brightest);
-        if pixel.off > self.error_bound.ray_error() {
-            counts.count_unbounded(pixel.off);
-        }
-        RaySample { rgba: pixel.rgba.map(|x| x as f32), depth: (pixel.distance + ray.offset) as f32 }
+        self.judge(pixel.off, certain, counts);
+        RaySample { rgba: pixel.rgba.map(|x| x as f32), depth: (pixel.distance + way.chord().offset) as f32 }
     }
 
-    /// Hands over the numbers under the filter.
-    fn with_lattice<V: LatticeVisitor>(&self, visitor: V) -> V::Output {
-        match self.volume.filter() {
-            Filter::BSpline => {
-                let (samples, dims) = (self.volume.spline_coefficients(), self.volume.dims());
-                visitor.visit(Lattice { samples, dims })
-            }
-            _ => self.volume.with_lattice(visitor),
+    /// Counts a ray that is off by more than it may be, or of which no bound is known.
+    fn judge(&self, off: f64, certain: bool, counts: &mut Counts) {
+        if !certain {
+            counts.count_unbounded(f64::NAN);
+        } else if off > self.error_bound.ray_error() {
+            counts.count_unbounded(off);
         }
     }
 
-    fn medium<'a, T: Voxel>(&'a self, lattice: Lattice<'a, T>) -> Medium<'a, T> {
-        let &ErrorBound { ref blocks, ref gradients, error, .. } = self.error_bound;
-        let (filter, volume, gradients) = (self.volume.filter(), self.volume, gradients.as_ref());
-        Medium { lattice, filter, volume, blocks, gradients, error }
-    }
-
-    fn both_stages(&self, ray: BoundedRay<'_>, single: &mut Tries, counts: &mut Counts) -> Account {
+    fn both_stages(
+        &self,
+        way: &Way<'_>,
+        reflection: Option<RayReflection<'_>>,
+        backdrop: f64,
+        single: &mut Tries,
+        counts: &mut Counts,
+    ) -> Account {
         if self.single && single.is_worth_while() {
             single.tried += 1;
-            let (account, kept) = self.with_lattice(self.job::<f32>(ray.clone()));
+            let (account, kept) = self.integrated::<f32>(way, reflection.clone(), backdrop);
             counts.samples += account.steps;
             if kept {
                 return account;
@@ -326,7 +350,7 @@ impl BoundedRays<'_> {
             single.failed += 1;
         }
         counts.repeated += u64::from(self.single);
-        let (account, kept) = self.with_lattice(self.job::<f64>(ray));
+        let (account, kept) = self.integrated::<f64>(way, reflection, backdrop);
         if !kept {
             counts.count_unbounded(self.error_bound.error * account.overrun());
         }
@@ -334,59 +358,90 @@ impl BoundedRays<'_> {
         account
     }
 
-    fn job<'a, R: Real>(&'a self, ray: BoundedRay<'a>) -> Job<'a, R> {
-        Job { rays: self, ray, precision: std::marker::PhantomData }
-    }
-}
-
-/// Ray in the volume.
-#[derive(Clone)]
-struct BoundedRay<'a> {
-    part: IndexRay,
-    /// `None` where colours stay as they are.
-    reflection: Option<RayReflection<'a>>,
-    /// Largest component of what stands behind the volume.
-    backdrop: f64,
-}
-
-/// Integration of one ray in one precision.
-struct Job<'a, R> {
-    rays: &'a BoundedRays<'a>,
-    ray: BoundedRay<'a>,
-    precision: std::marker::PhantomData<R>,
-}
-
-impl<R: Real> LatticeVisitor for Job<'_, R> {
-    type Output = (Account, bool);
-
-    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output {
-        let BoundedRay { part, reflection, backdrop } = self.ray;
-        let error_bound = self.rays.error_bound;
-        let account = Account::new(error_bound.limits(), part.start, part.end, backdrop);
+    /// Integrates a ray in one precision. Also returns true if its bound is kept.
+    fn integrated<R: Real>(
+        &self,
+        way: &Way<'_>,
+        reflection: Option<RayReflection<'_>>,
+        backdrop: f64,
+    ) -> (Account, bool) {
+        let error_bound = self.error_bound;
+        let Chord { start, end, .. } = way.chord();
+        let account = Account::new(error_bound.limits(), start, end, backdrop);
         let by_gradient = (reflection, error_bound.modulation.as_ref());
         // Only f32 has something better to turn to.
         let gives_up = R::ROUNDOFF > f64::EPSILON;
-        let mut integral = Integral::new(&error_bound.optics, by_gradient, account, gives_up);
-        walk::along::<R, T>(&self.rays.medium(lattice), &part, &mut integral);
+        let integral = Integral::new(&error_bound.optics, by_gradient, account, gives_up);
+        let (mut integral, certain) = self.walk::<R, _>(way, integral);
         integral.account.finish();
+        if !certain {
+            integral.account.error = f64::NAN;
+        }
         let kept = integral.is_kept();
         (integral.account, kept)
     }
+
+    /// Takes a course along a way, in one precision. Returns it, and false if the field along it has no bounds, but estimates.
+    fn walk<R: Real, C: Course>(&self, way: &Way<'_>, course: C) -> (C, bool) {
+        match way {
+            Way::Field(way) => {
+                let mut course = course;
+                let certain = way.walk::<R>(&mut course);
+                (course, certain)
+            }
+            Way::Grid(part, grid) => {
+                let walk = GridWalk { grid, part, error_bound: self.error_bound, course, precision: PhantomData::<R> };
+                let volume = &grid.volume;
+                let course = match volume.filter() {
+                    Filter::BSpline => {
+                        walk.visit(Lattice { samples: volume.spline_coefficients(), dims: volume.dims() })
+                    }
+                    _ => volume.with_lattice(walk),
+                };
+                (course, true)
+            }
+        }
+    }
 }
 
-/// Search along one ray, in f64.
-struct SearchJob<'a, C> {
-    rays: &'a BoundedRays<'a>,
-    ray: &'a IndexRay,
-    search: C,
+/// Way of a ray through the volume.
+enum Way<'a> {
+    Grid(IndexRay, &'a Grid),
+    Field(FieldWay<'a>),
 }
 
-impl<C: Course> LatticeVisitor for SearchJob<'_, C> {
+impl Way<'_> {
+    fn chord(&self) -> Chord {
+        match self {
+            &Self::Grid(IndexRay { start, end, offset, .. }, _) => Chord { start, end, offset },
+            Self::Field(way) => way.chord(),
+        }
+    }
+}
+
+/// Walk through a grid in one precision.
+struct GridWalk<'a, R, C> {
+    grid: &'a Grid,
+    part: &'a IndexRay,
+    error_bound: &'a ErrorBound,
+    course: C,
+    precision: PhantomData<R>,
+}
+
+impl<R: Real, C: Course> LatticeVisitor for GridWalk<'_, R, C> {
     type Output = C;
 
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> C {
-        let mut search = self.search;
-        walk::along::<f64, T>(&self.rays.medium(lattice), self.ray, &mut search);
-        search
+        let Self { grid, part, error_bound, mut course, .. } = self;
+        let medium = Medium {
+            lattice,
+            filter: grid.volume.filter(),
+            volume: &grid.volume,
+            blocks: &grid.blocks,
+            gradients: error_bound.gradients.as_ref(),
+            error: error_bound.error,
+        };
+        walk::along::<R, T>(&medium, part, &mut course);
+        course
     }
 }

@@ -6,6 +6,7 @@ use vr_core::{GradientMethod, GridVolume, Scene, Voxel, gradient_at_sample};
 use super::cone::Corners;
 use super::crossed::Crossed;
 use super::cubic::Cubic;
+use super::polynomials::CubicGradient;
 use super::series::Series;
 
 /// Gradients of a grid: how they are found.
@@ -44,11 +45,16 @@ pub(super) struct Slopes {
 impl Gradients {
     /// Returns the gradients of a scene; `None` where nothing looks at them.
     pub(super) fn new(scene: &Scene, volume: &GridVolume) -> Option<Self> {
-        let reflects = scene.reflection().is_some_and(|shading| !shading.is_flat());
-        let shading = scene.shading.as_ref().filter(|_| reflects || scene.has_gradient_opacity())?;
+        let shading = looks_at_gradients(scene).then(|| scene.gradient_shading())??;
         let (matrix, unit) = volume.placement().scaled_gradient_matrix(volume.calibration().slope);
         let to_world = std::array::from_fn(|a| matrix.row(a).to_array());
         Some(Self { analytic: shading.gradient == GradientMethod::Analytic, to_world, unit })
+    }
+
+    /// Returns those of a field that gives its own, in the world; `None` where nothing looks at them.
+    pub(super) fn of_field(scene: &Scene) -> Option<Self> {
+        let to_world = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        looks_at_gradients(scene).then_some(Self { analytic: true, to_world, unit: 1.0 })
     }
 
     /// Returns the gradient along a cell of a field that is trilinear, or, if `constant`, the same in all of the cell.
@@ -115,9 +121,9 @@ impl Gradients {
         Normals::Along { powers, off, unit: largest * self.unit, corners }
     }
 
-    /// Returns the gradient along a cell by cubics per index step, each off by at most `off`, and sums of numbers of at most `reach`.
-    pub(super) fn by_cubics(&self, per_index: &[[f64; 4]; 3], off: f64, reach: f64) -> Normals {
-        let rows = &self.to_world;
+    /// Returns the gradient along a cell by cubics per index step, which are sums of numbers of at most `reach`.
+    pub(super) fn by_cubics(&self, cubics: &CubicGradient, reach: f64) -> Normals {
+        let (rows, CubicGradient { powers: per_index, off }) = (&self.to_world, cubics);
         let world: [[f64; 4]; 3] =
             rows.map(|row| std::array::from_fn(|k| (0..3).map(|a| row[a] * per_index[a][k]).sum::<f64>()));
         let gain = rows.iter().map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
@@ -139,4 +145,9 @@ impl Normals {
         let squares = gradient.map(|g| g.product(&g));
         Some(Slopes { gradient, square: squares[0].plus(&squares[1]).plus(&squares[2]), unit: *unit })
     }
+}
+
+/// True if colours or opacities of a scene follow the gradient.
+fn looks_at_gradients(scene: &Scene) -> bool {
+    scene.reflection().is_some_and(|shading| !shading.is_flat()) || scene.has_gradient_opacity()
 }

@@ -22,6 +22,8 @@ pub(crate) struct Optics {
     pub(crate) knots_are_exact: bool,
     pub(super) transfer: TransferFunction,
     pub(super) calibration: Calibration,
+    /// Those of its rows, the pieces of which end at the same values; none where it has none. No row is beyond the function itself.
+    pub(super) rows: Vec<Self>,
 }
 
 /// Range of stored numbers in which opacity and source are linear.
@@ -59,6 +61,17 @@ pub(crate) struct Extremes {
 }
 
 impl Extremes {
+    /// Returns those of a medium that is one of two, or anything between.
+    fn or(&self, other: &Self) -> Self {
+        let both = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        Self {
+            rate: both(self.rate, other.rate),
+            before_wall: self.before_wall.max(other.before_wall),
+            source: std::array::from_fn(|c| both(self.source[c], other.source[c])),
+            wall: self.wall || other.wall,
+        }
+    }
+
     /// Returns the largest difference of two values of a component of the source.
     pub(crate) fn source_width(&self) -> f64 {
         self.source.iter().map(|s| s[1] - s[0]).fold(0.0, f64::max)
@@ -132,6 +145,11 @@ impl Piece {
         })
     }
 
+    /// Returns a number in the piece: its start, or, where that is not finite, one before its end.
+    pub(super) fn inside(&self) -> f64 {
+        if self.from.is_finite() { self.from } else { self.to.next_down() }
+    }
+
     /// Returns the largest slope of a component of the source.
     pub(crate) fn source_steepness(&self) -> f64 {
         self.source_slope.iter().fold(0.0, |m, s| m.max(s.abs()))
@@ -169,6 +187,17 @@ impl Optics {
                 p.joined[1] = lines[i + 1].to - lines[i + 1].from;
             }
         }
+        // Rows have the same pieces: what holds of one holds of all, or of none.
+        let rows: Vec<Self> =
+            transfer.rows().iter().map(|row| Self::new(&row.transfer, calibration, largest)).collect();
+        for (i, p) in pieces.iter_mut().enumerate() {
+            for row in &rows {
+                let own = &row.pieces[i];
+                p.steepest_opacity = p.steepest_opacity.max(own.steepest_opacity);
+                p.steepest_source = p.steepest_source.max(own.steepest_source);
+                p.joined = std::array::from_fn(|end| p.joined[end].min(own.joined[end]));
+            }
+        }
         let size = transfer.points().iter().map(|p| p.value.abs()).fold(0.0, f64::max) + calibration.intercept.abs();
         let emits = transfer.has_emission();
         Self {
@@ -181,6 +210,7 @@ impl Optics {
             knot_error: 8.0 * f64::EPSILON * (size / calibration.slope.abs()).max(largest),
             transfer: transfer.clone(),
             calibration,
+            rows,
         }
     }
 
@@ -222,6 +252,10 @@ impl Optics {
 
     /// Returns the extremes of the medium over a closed range of stored numbers.
     pub(crate) fn extremes(&self, low: f64, high: f64) -> Extremes {
+        if let Some((first, rest)) = self.rows.split_first() {
+            // A mixture is nowhere beyond all of them.
+            return rest.iter().fold(first.extremes(low, high), |all, row| all.or(&row.extremes(low, high)));
+        }
         let (inf, none) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut e = Extremes { rate: [inf, 0.0], before_wall: 0.0, source: [[inf, none]; 3], wall: false };
         for p in self.meeting(low, high) {
@@ -304,6 +338,10 @@ impl Optics {
     /// Returns what κ·unit and the source may change by for each unit that a value of a closed range is off by, or a little beyond; both +∞ where anything jumps in it,
     /// or a wall is.
     pub(super) fn sensitivity(&self, low: f64, high: f64) -> [f64; 2] {
+        if !self.rows.is_empty() {
+            let rows = self.rows.iter().map(|row| row.sensitivity(low, high));
+            return rows.fold([0.0; 2], |all: [f64; 2], own| std::array::from_fn(|i| all[i].max(own[i])));
+        }
         let pieces = self.meeting(low, high);
         if pieces.iter().any(|p| p.opaque) || pieces.windows(2).any(|p| p[0].ends[1] != p[1].ends[0]) {
             return [f64::INFINITY; 2];

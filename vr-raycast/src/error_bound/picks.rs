@@ -7,7 +7,7 @@ use super::blocks::Blocks;
 use super::cubic::Cubic;
 use super::normals::Normals;
 use super::piece_by_piece::Place;
-use super::walk::Course;
+use super::walk::{Course, Jump};
 
 /// Value that is picked from a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +33,8 @@ pub(super) struct Search {
     integral: f64,
     off: f64,
     length: f64,
+    /// What that length is off by.
+    length_off: f64,
     pub(super) steps: u64,
 }
 
@@ -53,7 +55,7 @@ impl Wanted {
 impl Search {
     pub(super) fn new(wanted: Wanted, resolution: f64) -> Self {
         let none = f64::NEG_INFINITY;
-        let (integral, off, length) = (0.0, 0.0, 0.0);
+        let (integral, off, length, length_off) = (0.0, 0.0, 0.0, 0.0);
         Self {
             wanted,
             resolution,
@@ -64,6 +66,7 @@ impl Search {
             integral,
             off,
             length,
+            length_off,
             steps: 0,
         }
     }
@@ -77,7 +80,8 @@ impl Search {
             }
             Wanted::Average if self.length > 0.0 => {
                 let mean = self.integral / self.length;
-                let off = self.off / self.length + f64::EPSILON * (self.steps as f64 + 4.0) * mean.abs();
+                let off = (self.off + self.length_off * mean.abs()) / self.length
+                    + f64::EPSILON * (self.steps as f64 + 4.0) * mean.abs();
                 Some((mean, [mean - off, mean + off]))
             }
             _ => None,
@@ -118,6 +122,12 @@ impl Course for Search {
 
     fn resolution(&self, _: [f64; 2]) -> f64 {
         self.resolution
+    }
+
+    fn jump(&mut self, jump: &Jump) {
+        let largest = jump.sides.iter().flatten().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+        self.off += jump.misplaced * largest;
+        self.length_off += jump.misplaced;
     }
 
     fn constant(&mut self, stored: f64, _: impl FnOnce() -> Normals, s: f64, length: f64) {

@@ -10,12 +10,17 @@ use super::normals::Normals;
 use super::optics::{Extremes, Optics, Piece};
 use super::reflection::{RayReflection, Reflected};
 use super::series::Series;
-use super::step::{ByGradient, Step, coarse, constant, constant_by_gradient, smooth, smooth_by_gradient};
-use super::walk::Course;
+use super::step::{
+    ByGradient, Step, coarse, constant, constant_by_gradient, constant_mixture, smooth, smooth_by_gradient,
+    smooth_mixture,
+};
+use super::walk::{Course, Jump};
 use crate::root::monotone_root;
 
 /// Largest number of halvings of a cell, after which a step is taken as it is.
 const MAX_HALVINGS: u32 = 44;
+/// Largest depth per unit distance that what is misplaced counts with: α = 1 − e^(−80).
+const MAX_DEPTH: f64 = 80.0;
 /// Number of steps of a ray after which all are taken as they are: no scene may hang the renderer.
 const MAX_STEPS: u64 = 1 << 16;
 /// Number of steps after which a ray is better done again in higher precision.
@@ -85,18 +90,12 @@ impl<'a> Integral<'a> {
     }
 
     /// Integrates a part, from one fraction of a cell to another, of one extinction and colour, which follow the gradient.
-    fn uniform_part(
-        &mut self,
-        medium: (f64, [f64; 3]),
-        normals: &Normals,
-        (ends, s, length): ([f64; 2], f64, f64),
-        cuts: u32,
-    ) {
+    fn uniform_part(&mut self, stored: f64, normals: &Normals, (ends, s, length): ([f64; 2], f64, f64), cuts: u32) {
         if self.is_done() || length <= 0.0 {
             return;
         }
         let factor = self.factor(normals, ends);
-        let (mut medium, nothing) = (medium, factor.is_some_and(|factor| factor.is_nothing()));
+        let (mut medium, nothing) = (self.optics.exactly(stored), factor.is_some_and(|factor| factor.is_nothing()));
         if nothing {
             // Not even a wall.
             medium.0 = 0.0;
@@ -108,9 +107,18 @@ impl<'a> Integral<'a> {
         let enough = self.is_enough(cuts);
         if rate < f64::INFINITY {
             let reflected = self.reflected(normals, ends);
-            let gradient = ByGradient { reflected: reflected.as_ref(), factor: factor.as_ref().map(|f| &f.series) };
-            let step = constant_by_gradient(self.optics, medium, length, gradient);
-            let step = step.unwrap_or_else(|| self.coarse_uniform(medium, normals, ends, length));
+            let step = match self.modulation.filter(|_| !self.optics.rows.is_empty()) {
+                Some(modulation) => {
+                    let shares = modulation.shares(normals, ends);
+                    constant_mixture(self.optics, &shares, stored, length, reflected.as_ref())
+                }
+                None => {
+                    let factor = factor.as_ref().map(|factor| &factor.series);
+                    let gradient = ByGradient { reflected: reflected.as_ref(), factor };
+                    constant_by_gradient(self.optics, medium, length, gradient)
+                }
+            };
+            let step = step.unwrap_or_else(|| self.coarse_uniform(stored, nothing, normals, (ends, length)));
             if self.account.fits(&step, s) || enough {
                 self.account.take(&step, s);
                 return;
@@ -119,26 +127,29 @@ impl<'a> Integral<'a> {
             let light = if self.optics.emits { [0.0; 3] } else { source };
             return self.wall(light, 0.0, 0.0, (normals, ends[0]), s);
         } else if enough {
-            let step = self.coarse_uniform(medium, normals, ends, length);
+            let step = self.coarse_uniform(stored, nothing, normals, (ends, length));
             let before = if self.optics.emits { step.light.into_iter().fold(0.0, f64::max) } else { 0.0 };
             return self.account.doubt(PendingWall { step, before, spread: 0.0, turn: self.turn(normals, ends) });
         }
         let (half, middle) = (0.5 * length, 0.5 * (ends[0] + ends[1]));
-        self.uniform_part(medium, normals, ([ends[0], middle], s, half), cuts + 1);
-        self.uniform_part(medium, normals, ([middle, ends[1]], s + half, half), cuts + 1);
+        self.uniform_part(stored, normals, ([ends[0], middle], s, half), cuts + 1);
+        self.uniform_part(stored, normals, ([middle, ends[1]], s + half, half), cuts + 1);
     }
 
-    /// Returns the step over all that a medium of one extinction and colour may be on a part of a cell.
-    fn coarse_uniform(&self, (rate, source): (f64, [f64; 3]), normals: &Normals, ends: [f64; 2], length: f64) -> Step {
+    /// Returns the step over all that the medium of one stored number may be on a part of a cell. `nothing`: it does not absorb there.
+    fn coarse_uniform(&self, stored: f64, nothing: bool, normals: &Normals, (ends, length): ([f64; 2], f64)) -> Step {
+        let (rate, source) = self.optics.exactly(stored);
+        let rate = if nothing { 0.0 } else { rate };
         let is_wall = rate == f64::INFINITY;
         let before_wall = if is_wall { 0.0 } else { rate };
-        let extremes = Extremes { rate: [rate; 2], before_wall, source: source.map(|x| [x; 2]), wall: is_wall };
+        let own = Extremes { rate: [rate; 2], before_wall, source: source.map(|x| [x; 2]), wall: is_wall };
+        let extremes = if self.optics.rows.is_empty() { own } else { self.optics.extremes(stored, stored) };
         coarse(self.optics, &self.by_gradient(&extremes, normals, ends), length, f64::INFINITY)
     }
 
     /// Returns the factor on extinction on a part of a cell; `None` where it stays as it is.
     fn factor(&self, normals: &Normals, ends: [f64; 2]) -> Option<Factor> {
-        self.modulation.map(|modulation| modulation.on(normals, ends))
+        self.modulation.and_then(|modulation| modulation.on(normals, ends))
     }
 
     /// Returns the change of colours on a part of a cell; `None` where they stay.
@@ -284,6 +295,12 @@ impl<'a> Integral<'a> {
         (noise, factor): (f64, Option<&Factor>),
     ) -> Option<Step> {
         let reflected = self.reflected(&cell.normals, part.ends);
+        if let Some(modulation) = self.modulation.filter(|_| !self.optics.rows.is_empty()) {
+            let shares = modulation.shares(&cell.normals, part.ends);
+            // All rows have the same pieces.
+            let values = (cell.place.base, noise, piece.inside());
+            return smooth_mixture(self.optics, &shares, &part.cubic, values, part.length, reflected.as_ref());
+        }
         if reflected.is_some() || factor.is_some() {
             let gradient = ByGradient { reflected: reflected.as_ref(), factor: factor.map(|f| &f.series) };
             let values = (cell.place.base, noise);
@@ -419,6 +436,21 @@ impl Course for Integral<'_> {
         self.account.resolution([rate * largest / self.optics.unit, source])
     }
 
+    fn jump(&mut self, jump: &Jump) {
+        let [mut rate, mut emitted, mut wall] = [0.0, 0.0, 0.0f64];
+        for (side, &[low, high]) in jump.sides.iter().enumerate().filter_map(|(i, side)| Some((i, side.as_ref()?))) {
+            let extremes = self.by_gradient(&self.optics.extremes(low, high), &Normals::Unknown, [0.0, 1.0]);
+            rate += extremes.before_wall.min(MAX_DEPTH);
+            if self.optics.emits {
+                emitted += extremes.source.iter().map(|s| s[1]).fold(0.0, f64::max);
+            }
+            // So thin a wall need not exist.
+            wall = wall.max(f64::from(u8::from(side == 1 && jump.short && extremes.wall)));
+        }
+        let opacity = -libm::expm1(-rate * jump.misplaced / self.optics.unit) + wall;
+        self.account.misplace(opacity, emitted * jump.misplaced);
+    }
+
     fn constant(&mut self, stored: f64, normals: impl FnOnce() -> Normals, s: f64, length: f64) {
         let (rate, source) = self.optics.exactly(stored);
         if rate == 0.0 && !(self.optics.emits && source != [0.0; 3]) {
@@ -428,7 +460,7 @@ impl Course for Integral<'_> {
         if rate < f64::INFINITY && self.modulation.is_none() && matches!(normals, Normals::Absent) {
             self.account.take(&constant(self.optics, rate, source, length), s);
         } else {
-            self.uniform_part((rate, source), &normals, ([0.0, 1.0], s, length), 0);
+            self.uniform_part(stored, &normals, ([0.0, 1.0], s, length), 0);
         }
     }
 

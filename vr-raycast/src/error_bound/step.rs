@@ -158,6 +158,18 @@ impl<R: Real> Rate<R> {
         k0 + k1 + k2 + k3
     }
 
+    /// Returns the sum of two extinctions.
+    fn plus(&self, other: &Self) -> Self {
+        Self {
+            k: std::array::from_fn(|i| self.k[i] + other.k[i]),
+            tail: self.tail + other.tail,
+            mean: self.mean + other.mean,
+            mean_error: self.mean_error + other.mean_error,
+            error: self.error + other.error,
+            rounding: self.rounding + other.rounding + 4.0 * R::ROUNDOFF * (self.size() + other.size()),
+        }
+    }
+
     /// Returns the extinction times a factor.
     fn times(&self, factor: &Series) -> Self {
         let k = self.k.map(R::to_f64);
@@ -391,14 +403,8 @@ pub(super) fn smooth_by_gradient<R: Real>(
 ) -> Option<Step> {
     let c = cubic.about_middle();
     let rate = Rate::along(optics, piece, &c, base, noise)?;
-    let source = piece.source_at(base + c[0].to_f64());
-    let off = 5.0 * piece.steepest_source * noise;
-    let sources = std::array::from_fn(|i| {
-        let slope = piece.source_slope[i];
-        let rising = [1, 2, 3].map(|k| slope * c[k].to_f64());
-        Series { c: [source[i], rising[0], rising[1], rising[2]], rest: off }
-    });
-    gradient.step(optics, rate, sources, off, length)
+    let sources = sources(piece, &c, base, noise);
+    gradient.step(optics, rate, sources, sources[0].rest, length)
 }
 
 /// Returns the step through one stored number, of a medium that follows the gradient; `None` where series say nothing.
@@ -414,6 +420,93 @@ pub(super) fn constant_by_gradient(
         return Some(with_light(&Depth::<f64>::uniform(optics, rate, length), &gradient.colors(sources), 0.0));
     }
     gradient.step(optics, Rate::<f64>::uniform(rate), sources, 0.0, length)
+}
+
+/// A row of a transfer function on a step: the extinction, and colours or emissions; and its share.
+struct Part<'a, R> {
+    rate: Rate<R>,
+    sources: [Series; 3],
+    share: &'a Series,
+}
+
+/// Returns the step along a cubic that lies in one piece of each row of a transfer function, the shares of which are given. `None` where series say nothing.
+pub(super) fn smooth_mixture<R: Real>(
+    optics: &Optics,
+    shares: &[(usize, Series)],
+    cubic: &Cubic<R>,
+    (base, noise, value): (f64, f64, f64),
+    length: f64,
+    reflected: Option<&Reflected>,
+) -> Option<Step> {
+    let c = cubic.about_middle();
+    let parts = shares.iter().map(|(row, share)| {
+        let piece = optics.rows[*row].piece_at(value);
+        let sources = sources(piece, &c, base, noise);
+        Some(Part { rate: Rate::along(optics, piece, &c, base, noise)?, sources, share })
+    });
+    mixture(optics, &parts.collect::<Option<Vec<_>>>()?, length, reflected)
+}
+
+/// Returns the step through one stored number, of the rows of a transfer function that have these shares. `None` where series say nothing.
+pub(super) fn constant_mixture(
+    optics: &Optics,
+    shares: &[(usize, Series)],
+    stored: f64,
+    length: f64,
+    reflected: Option<&Reflected>,
+) -> Option<Step> {
+    let parts = shares.iter().map(|(row, share)| {
+        let (rate, source) = optics.rows[*row].exactly(stored);
+        Part { rate: Rate::<f64>::uniform(rate), sources: source.map(Series::constant), share }
+    });
+    mixture(optics, &parts.collect::<Vec<_>>(), length, reflected)
+}
+
+/// Returns the step through a mixture: extinctions and emissions add up, each times its share.
+fn mixture<R: Real>(
+    optics: &Optics,
+    parts: &[Part<'_, R>],
+    length: f64,
+    reflected: Option<&Reflected>,
+) -> Option<Step> {
+    let zero = || (Rate::uniform(0.0), [Series::constant(0.0); 3], 0.0);
+    let (rate, emissions, rounding) = parts.iter().fold(zero(), |(sum, mut emissions, rounding), part| {
+        let own = part.rate.times(part.share);
+        let density = Series { c: own.k.map(R::to_f64), rest: own.tail + own.error + own.rounding };
+        let mut unshortened = 0.0f64;
+        for (c, sum) in emissions.iter_mut().enumerate() {
+            let source = &part.sources[c];
+            let emission = if optics.emits {
+                source.product(part.share)
+            } else {
+                let color = reflected.map_or(*source, |reflected| reflected.of(source, c));
+                unshortened = unshortened.max((own.error + own.rounding) * color.size() + density.size() * source.rest);
+                density.product(&color).times(1.0 / optics.unit)
+            };
+            *sum = sum.plus(&emission);
+        }
+        (sum.plus(&own), emissions, rounding + unshortened / optics.unit)
+    });
+    let mut step = with_emission(&Depth::new(optics, rate, length)?, &emissions, rounding)?;
+    // Of a mixture of colours no more is known than that they are colours.
+    for part in parts {
+        for (c, source) in part.sources.iter().enumerate() {
+            let color = reflected.map_or(*source, |reflected| reflected.of(source, c));
+            step.variation = step.variation.max(color.size());
+        }
+    }
+    Some(step)
+}
+
+/// Returns the colours or emissions of a piece along a cubic by its powers of t.
+fn sources<R: Real>(piece: &Piece, c: &[R; 4], base: f64, noise: f64) -> [Series; 3] {
+    let source = piece.source_at(base + c[0].to_f64());
+    let off = 5.0 * piece.steepest_source * noise;
+    std::array::from_fn(|i| {
+        let slope = piece.source_slope[i];
+        let rising = [1, 2, 3].map(|k| slope * c[k].to_f64());
+        Series { c: [source[i], rising[0], rising[1], rising[2]], rest: off }
+    })
 }
 
 /// Adds light that is emitted, of emissions that are known as series; `None` where the transparency is not.

@@ -38,11 +38,24 @@ pub(super) trait Course {
     /// Returns what the field may be off by where its values are in a range, without that it matters.
     fn resolution(&self, range: [f64; 2]) -> f64;
 
+    /// Takes a place at which the field jumps, or begins or ends, and which is not known to the last bit: what is off by that is no value, but a length.
+    fn jump(&mut self, jump: &Jump);
+
     /// Takes a stretch of one stored number. `normals` gives the gradient along it.
     fn constant(&mut self, stored: f64, normals: impl FnOnce() -> Normals, s: f64, length: f64);
 
     /// Takes a cell, along which the field is the place's base + `cubic`.
     fn cell<R: Real>(&mut self, cubic: Cubic<R>, place: Place, normals: impl FnOnce() -> Normals, s: f64, length: f64);
+}
+
+/// Place at which a field jumps, or begins or ends.
+pub(super) struct Jump {
+    /// Bound of what it is off by.
+    pub(super) misplaced: f64,
+    /// Ranges of the values before and behind it; `None` where there is vacuum.
+    pub(super) sides: [Option<[f64; 2]>; 2],
+    /// True if what is behind it is so short that it may not exist.
+    pub(super) short: bool,
 }
 
 /// Goes along a ray: over blocks at once where that is good enough, else cell by cell.

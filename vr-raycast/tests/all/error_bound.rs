@@ -11,6 +11,7 @@ use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};
 use vr_core::*;
 use vr_physics::check::FixedLayer;
+use vr_physics::check::strategies::Kind;
 use vr_physics::check::{TestScene, strategies};
 use vr_physics::{Certainty, Reference, cases};
 use vr_raycast::{CompositingOrder, Precision, RayCaster, Rule, Step, Traversal, Vector};
@@ -214,6 +215,91 @@ fn random_scenes_by_gradient() {
         "{drawn} pictures, {rays} rays, {unbounded} unbounded, {unknown} unknown, worst error by promise {ratio:.2?}"
     );
     assert!(drawn > 300 && unbounded <= unknown + rays / 500, "{drawn} {rays} {unbounded} {unknown}");
+}
+
+/// Transfer functions with rows by the gradient: two to four of them, some clear, lit or not, under every filter.
+#[test]
+fn random_scenes_of_rows() {
+    let wild = scenes(27, 60, strategies::scene()).into_iter().enumerate();
+    let tame = scenes(28, 60, strategies::tame_scene()).into_iter().enumerate();
+    let mut next = random(29);
+    let (mut drawn, mut unbounded, mut unknown, mut rays, mut ratio) = (0, 0, 0, 0, [0.0f64; 3]);
+    for (i, test) in wild.chain(tame) {
+        let TestScene { scene, view, .. } = test;
+        let Volume::Grid(grid) = &scene.volume else { panic!("the strategies draw grids") };
+        let (low, high) = grid.value_stats().range.unwrap_or_default();
+        let steepest =
+            f64::from(high - low).max(1.0) * grid.calibration().slope.abs() / grid.placement().spacing().min_element();
+        let mut magnitude = if i % 2 == 0 { 0.0 } else { 0.1 * steepest };
+        let rows = (0..2 + i % 3).map(|_| {
+            let (share, turn) = (if next() < 0.3 { 0.0 } else { next() }, (3.0 * next()) as usize);
+            let points = scene.transfer.points().iter().map(|p| {
+                let color = std::array::from_fn(|c| p.color[(c + turn) % 3]);
+                ControlPoint { opacity: (p.opacity * share).min(0.999), color, ..*p }
+            });
+            let row = (magnitude, points.collect());
+            magnitude += (0.01 + next()) * steepest * 0.5;
+            row
+        });
+        let rows = rows.collect();
+        let Ok(transfer) = TransferFunction::of_rows(rows, scene.transfer.rule(), scene.transfer.unit_distance())
+        else {
+            continue;
+        };
+        let gradient = [GradientMethod::CentralDifferences, GradientMethod::Analytic][i / 2 % 2];
+        let shading =
+            (i % 3 != 0).then(|| Arc::new(Shading { gradient, gradient_opacity: Vec::new(), ..Shading::default() }));
+        let compositing = match scene.compositing {
+            accumulate @ Compositing::Accumulate { .. } => accumulate,
+            _ => Compositing::Over,
+        };
+        let filter =
+            [Filter::Trilinear, Filter::Nearest, Filter::Trilinear, Filter::CatmullRom, Filter::BSpline][i % 5];
+        let scene = Scene { compositing, shading, transfer: Arc::new(transfer), ..scene.with_filter(filter) };
+        for (k, error) in [1e-2, 1e-3, 1e-4].into_iter().enumerate() {
+            let Some(j) = judge(&promising(error), &scene, &view, error) else { continue };
+            assert!(j.beyond <= j.counts.unbounded, "{error:e}: {j:?}\n{scene:?}\n{view:?}");
+            if j.counts.unbounded > j.unknown {
+                println!("{i} {filter} {gradient:?} {error:e}: {j:?}");
+            }
+            drawn += 1;
+            (rays, unbounded, unknown) = (rays + j.counts.rays, unbounded + j.counts.unbounded, unknown + j.unknown);
+            ratio[k] = ratio[k].max(j.worst / error);
+        }
+    }
+    println!(
+        "{drawn} pictures, {rays} rays, {unbounded} unbounded, {unknown} unknown, worst error by promise {ratio:.2?}"
+    );
+    assert!(drawn > 250 && unbounded <= unknown + rays / 500, "{drawn} {rays} {unbounded} {unknown}");
+}
+
+/// Volumes that are no grids, by the polynomials that they give along a ray: every operator, jumps, walls, shading, opacity by the gradient.
+#[test]
+fn random_scenes_of_other_volumes() {
+    let kinds = Kind::OF_OTHER_VOLUMES.map(|kind| (kind.name(), scenes(23, 60, kind.scenes())));
+    let points = [
+        ("points", scenes(24, 40, strategies::point_scene())),
+        ("shaded points", scenes(25, 25, strategies::shaded_point_scene())),
+        ("tame points", scenes(26, 25, strategies::tame_mixed_point_scene())),
+    ];
+    for (name, tests) in kinds.into_iter().chain(points) {
+        let (mut drawn, mut unbounded, mut unknown, mut rays, mut ratio) = (0, 0, 0, 0, [0.0f64; 3]);
+        for (i, TestScene { scene, view, .. }) in tests.into_iter().enumerate() {
+            for (k, error) in [1e-2, 1e-3, 1e-4].into_iter().enumerate() {
+                let Some(j) = judge(&promising(error), &scene, &view, error) else { continue };
+                assert!(j.beyond <= j.counts.unbounded, "{name} {error:e}: {j:?}\n{scene:?}\n{view:?}");
+                if j.counts.unbounded > j.unknown {
+                    println!("{name} {i} {:?} {error:e}: {j:?}", scene.compositing);
+                }
+                drawn += 1;
+                (rays, unbounded) = (rays + j.counts.rays, unbounded + j.counts.unbounded);
+                unknown += j.unknown;
+                ratio[k] = ratio[k].max(j.worst / error);
+            }
+        }
+        println!("{name}: {drawn} pictures, {rays} rays, {unbounded} unbounded, {unknown} unknown, worst {ratio:.2?}");
+        assert!(drawn > 20 && unbounded <= unknown + rays / 200, "{name}: {drawn} {rays} {unbounded} {unknown}");
+    }
 }
 
 /// Light that is reflected where the field is flat but for a few samples, as scans in bytes are: gradients go to 0 on the way into most cells.

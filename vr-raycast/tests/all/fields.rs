@@ -6,9 +6,10 @@ use glam::DVec3;
 use vr_core::field::FunctionField;
 use vr_core::phantom::{self, Phantom};
 use vr_core::{
-    Compositing, Feature, Light, PointKernel, PointSet, RenderError, Renderer, Scene, Shading, TransferFunction,
-    Unsupported, Volume,
+    Camera, Compositing, Control, Feature, Light, Model, PointKernel, PointSet, RenderError, Renderer, Scene, Shading,
+    TransferFunction, Unsupported, View, Volume,
 };
+use vr_physics::Reference;
 use vr_raycast::{RayCaster, Step};
 
 use crate::common::{self, framed_error};
@@ -120,7 +121,27 @@ fn what_a_function_does_not_have_is_refused() {
     assert_eq!(refused(RayCaster::default(), &scene), None);
     assert_eq!(refused(RayCaster::default(), &shaded), Some(Feature::Shading));
     assert_eq!(
-        refused(RayCaster { step: Step::ErrorBound(1e-3), ..RayCaster::default() }, &scene),
+        refused(RayCaster { step: Step::Local { error: 1e-3 }, ..RayCaster::default() }, &scene),
         Some(Feature::Setting)
     );
+}
+
+/// A function keeps a promise as far as it says how fast it changes; of one that does not, no ray is proven.
+#[test]
+fn promises_need_a_bound_of_the_slope() {
+    let function =
+        || FunctionField::new((DVec3::NEG_ONE, DVec3::ONE), |p| 0.5 + 0.2 * (3.0 * p.x + p.y).sin()).unwrap();
+    let caster = RayCaster { step: Step::ErrorBound(1e-2), ..RayCaster::default() };
+    for (field, proven) in [(function().with_lipschitz(0.7), true), (function(), false)] {
+        let scene = Scene::new(Volume::from(field), transfer());
+        let view = View::new(Camera::framing(scene.bounds(), 20.0, 30.0, None), [12, 12]);
+        let picture = common::render(&caster, &scene, &view);
+        let counts = picture.stats.counts;
+        assert_eq!(counts.unbounded, if proven { 0 } else { counts.rays }, "{counts:?}");
+        let truth = Reference::default().solve(&scene, &view, &Model::Canonical, &Control::default()).unwrap();
+        for (got, want) in picture.frame.pixels().iter().zip(&truth.pixels) {
+            let off = (0..4).map(|c| (f64::from(got[c]) - want.rgba[c]).abs()).fold(0.0, f64::max);
+            assert!(off <= 1e-2, "{off}");
+        }
+    }
 }

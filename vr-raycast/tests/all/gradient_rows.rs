@@ -113,6 +113,5 @@ fn settings_that_know_values_alone_refuse() {
         let (feature, what) = refused(RayCaster { rule, ..RayCaster::default() });
         assert!(feature == Feature::GradientOpacity && what.contains("values alone"), "{what}");
     }
-    assert_eq!(refused(RayCaster { step: Step::ErrorBound(1e-3), ..RayCaster::default() }).0, Feature::MaxError);
     RayCaster { order: CompositingOrder::BackToFront, ..RayCaster::default() }.supports(&scene, None).unwrap();
 }
