@@ -168,6 +168,8 @@ impl Account {
     /// Takes a step, ending at `s`, that may hold the beginning of a wall: that is unknown until what follows is seen. Doubts that follow each
     /// other are one.
     pub(super) fn doubt(&mut self, pending: PendingWall) {
+        // A step, too: where all of a ray is in doubt, it must end all the same.
+        self.steps += 1;
         let Some(last) = &mut self.pending else {
             self.pending = Some(pending);
             return;

@@ -145,6 +145,13 @@ impl Normals {
         let squares = gradient.map(|g| g.product(&g));
         Some(Slopes { gradient, square: squares[0].plus(&squares[1]).plus(&squares[2]), unit: *unit })
     }
+
+    /// True if the gradient changes by no more than it is off by on the part [from, to] of a cell: shorter parts would tell no more of it.
+    pub(super) fn is_blurred(&self, part: [f64; 2]) -> bool {
+        let Self::Along { powers, off, .. } = self else { return true };
+        let change = |p: &[f64; 4]| Series::part_of(p, part, 0.0).spread();
+        powers.iter().map(change).sum::<f64>() <= 4.0 * off
+    }
 }
 
 /// True if colours or opacities of a scene follow the gradient.

@@ -126,7 +126,7 @@ impl<'a> Integral<'a> {
         } else if factor.is_none_or(|factor| factor.is_something()) {
             let light = if self.optics.emits { [0.0; 3] } else { source };
             return self.wall(light, 0.0, 0.0, (normals, ends[0]), s);
-        } else if enough {
+        } else if enough || normals.is_blurred(ends) {
             let step = self.coarse_uniform(stored, nothing, normals, (ends, length));
             let before = if self.optics.emits { step.light.into_iter().fold(0.0, f64::max) } else { 0.0 };
             return self.account.doubt(PendingWall { step, before, spread: 0.0, turn: self.turn(normals, ends) });
@@ -254,7 +254,8 @@ impl<'a> Integral<'a> {
             let extremes = self.by_gradient(&optics.extremes(min, max), &cell.normals, part.ends);
             let step = self.coarse_part(&extremes, cell, &part, noise);
             // Shorter parts would hold the same values, for all that is known.
-            let blurred = high - low <= 4.0 * noise && !(maybe && extremes.wall);
+            let blurred =
+                high - low <= 4.0 * noise && (!(maybe && extremes.wall) || cell.normals.is_blurred(part.ends));
             if (!extremes.wall && self.account.fits(&step, part.s)) || blurred || self.is_enough(part.cuts) {
                 self.take_anyway(&extremes, step, cell, &part, noise);
                 return;

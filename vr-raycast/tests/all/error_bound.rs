@@ -217,6 +217,29 @@ fn random_scenes_by_gradient() {
     assert!(drawn > 300 && unbounded <= unknown + rays / 500, "{drawn} {rays} {unbounded} {unknown}");
 }
 
+/// A medium that is opaque but where the gradient is 0, which it is up to the middle: a wall begins where the gradient does, and no ray looks for that place for ever.
+#[test]
+fn walls_where_the_gradient_begins() {
+    let slope = |_: f64, _: f64, z: f64| 0.1 * (z - 4.0).max(0.0);
+    for (filter, gradient) in [
+        (Filter::Trilinear, GradientMethod::CentralDifferences),
+        (Filter::Nearest, GradientMethod::CentralDifferences),
+        (Filter::CatmullRom, GradientMethod::Analytic),
+    ] {
+        let opaque = transfer(&[(0.0, [0.9, 0.2, 0.4], 1.0)], 1.0);
+        let shading = Shading { gradient, gradient_opacity: vec![(0.0, 0.0), (1.0, 1.0)], ..Shading::flat() };
+        let scene = Scene { shading: Some(Arc::new(shading)), ..Scene::new(volume([9; 3], slope), opaque) };
+        let scene = scene.with_filter(filter);
+        let view = oblique(&scene, 12);
+        for error in [1e-2, 1e-4] {
+            let j = judge(&promising(error), &scene, &view, error).unwrap();
+            assert!(j.beyond <= j.counts.unbounded && j.counts.rays > 50, "{filter} {error:e}: {j:?}");
+            assert!(j.counts.unbounded <= j.unknown, "{filter} {error:e}: {j:?}");
+            assert!(j.counts.samples < 3000 * j.counts.rays, "{filter} {error:e}: {j:?}");
+        }
+    }
+}
+
 /// Transfer functions with rows by the gradient: two to four of them, some clear, lit or not, under every filter.
 #[test]
 fn random_scenes_of_rows() {
