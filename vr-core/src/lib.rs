@@ -141,7 +141,7 @@ pub use rectilinear::RectilinearGrid;
 pub use renderer::{DrawnPixels, MIN_MAX_ERROR, Prepared, Rendered, Renderer};
 pub use sampler::Sampler;
 pub use scene::{MaxRadiance, Scene};
-pub use shading::{GradientMethod, Light, RayLight, RayShading, Shading};
+pub use shading::{GradientMethod, Light, RayLight, RayShading, Shading, factor_at};
 pub use stats::{Counts, RenderStats};
 pub use surfaces::{FacetHit, Layer, SurfaceTracer, Surfaces};
 pub use transfer::{ControlPoint, OpacityRule, TransferFunction};

@@ -120,6 +120,24 @@ pub enum GradientMethod {
     Analytic,
 }
 
+/// The factor at a magnitude of the gradient, by points of (magnitude, factor) in order: linear between them, constant outside, and 1 where there is none.
+///
+/// # Examples
+/// ```
+/// use vr_core::factor_at;
+///
+/// let boundaries = [(1.0, 0.0), (3.0, 0.5)];
+/// assert_eq!([0.0, 2.0, 9.0].map(|magnitude| factor_at(&boundaries, magnitude)), [0.0, 0.25, 0.5]);
+/// ```
+pub fn factor_at(points: &[(f64, f64)], magnitude: f64) -> f64 {
+    let i = points.partition_point(|p| p.0 <= magnitude);
+    match (i.checked_sub(1).map(|j| points[j]), points.get(i)) {
+        (None, None) => 1.0,
+        (None, Some(&(_, f))) | (Some((_, f)), None) => f,
+        (Some((m0, f0)), Some(&(m1, f1))) => f0 + (magnitude - m0) / (m1 - m0) * (f1 - f0),
+    }
+}
+
 impl Shading {
     /// Shading that leaves colours as they are: all light is ambient.
     pub fn flat() -> Self {
@@ -158,13 +176,7 @@ impl Shading {
 
     /// The factor on κ at a gradient magnitude: linear between the points, constant outside.
     pub fn modulation(&self, magnitude: f64) -> f64 {
-        let points = &self.gradient_opacity;
-        let i = points.partition_point(|p| p.0 <= magnitude);
-        match (i.checked_sub(1).map(|j| points[j]), points.get(i)) {
-            (None, None) => 1.0,
-            (None, Some(&(_, f))) | (Some((_, f)), None) => f,
-            (Some((m0, f0)), Some(&(m1, f1))) => f0 + (magnitude - m0) / (m1 - m0) * (f1 - f0),
-        }
+        factor_at(&self.gradient_opacity, magnitude)
     }
 
     /// The largest factor on κ.

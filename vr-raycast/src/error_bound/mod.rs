@@ -230,6 +230,11 @@ impl Tracer for BoundedRays<'_> {
             values.extend_from_slice(&traced[..spots.len()]);
         }
     }
+
+    fn is_clear(&self, low: [u32; 2], high: [u32; 2]) -> bool {
+        // What stands behind is drawn ray by ray.
+        self.layer.is_none() && self.packets.as_ref().is_some_and(|packets| packets.is_clear(low, high))
+    }
 }
 
 /// Ways to trace a ray that may not keep its bound, the cheapest first.

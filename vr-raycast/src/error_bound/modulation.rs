@@ -1,6 +1,6 @@
 //! Opacity that follows the gradient: factors on extinction, and shares of the rows of a transfer function, with a bound of what they are off by.
 
-use vr_core::Scene;
+use vr_core::{Scene, factor_at};
 
 use super::normals::Normals;
 use super::series::Series;
@@ -110,23 +110,12 @@ impl Factors {
         Self { points, extremes }
     }
 
-    /// Returns the factor at a magnitude.
-    fn of(&self, magnitude: f64) -> f64 {
-        let points = &self.points;
-        let i = points.partition_point(|p| p.0 <= magnitude);
-        match (i.checked_sub(1).map(|j| points[j]), points.get(i)) {
-            (Some((m0, f0)), Some(&(m1, f1))) => f0 + (magnitude - m0) / (m1 - m0) * (f1 - f0),
-            (Some((_, f)), None) | (None, Some(&(_, f))) => f,
-            (None, None) => 1.0,
-        }
-    }
-
     fn at(&self, magnitude: &Magnitude) -> Factor {
         let bounded = self.between(magnitude.range);
         let Some(root) = magnitude.series else { return bounded };
         // A line by the magnitude, half way between the bounds of what the factor differs from it by.
         let [m0, m1] = magnitude.range;
-        let ends = [m0, m1].map(|m| self.of(m));
+        let ends = [m0, m1].map(|m| factor_at(&self.points, m));
         let slope = if m1 > m0 { (ends[1] - ends[0]) / (m1 - m0) } else { 0.0 };
         if !slope.is_finite() {
             return bounded;
@@ -144,7 +133,7 @@ impl Factors {
     /// Returns the factor where no more is known than bounds of the magnitude.
     fn between(&self, [low, high]: [f64; 2]) -> Factor {
         let inside = self.points.iter().filter(|point| point.0 > low && point.0 < high);
-        let ends = [low, high].map(|m| self.of(m));
+        let ends = [low, high].map(|m| factor_at(&self.points, m));
         let all = || inside.clone().map(|point| point.1).chain(ends);
         let (min, max) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
         // Between two points the factor is rounded.
@@ -186,7 +175,8 @@ mod tests {
                     let t = f64::from(j) / 16.0 - 1.0;
                     let s = 0.5 * (part[0] + part[1]) + 0.5 * (part[1] - part[0]) * t;
                     let g = powers.map(|p| 2.0 * (p[0] + s * (p[1] + s * (p[2] + s * p[3]))));
-                    let want = factors.of((g[0] * g[0] + g[1] * g[1] + g[2] * g[2]).sqrt());
+                    let magnitude = (g[0] * g[0] + g[1] * g[1] + g[2] * g[2]).sqrt();
+                    let want = factor_at(&factors.points, magnitude);
                     let c = factor.series.c;
                     let got = c[0] + t * (c[1] + t * (c[2] + t * c[3]));
                     assert!((got - want).abs() <= factor.series.rest + 1e-15, "{got} {want} {factor:?}");

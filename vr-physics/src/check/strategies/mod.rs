@@ -21,7 +21,7 @@
 //! | adaptive meshes | [`adaptive_scene`] | [`tame_adaptive_scene`] |
 //! | rectilinear grids | [`rectilinear_scene`] | [`tame_rectilinear_scene`] |
 //!
-//! [`shaded_point_scene`]: tame, and shaded. [`tame_mixed_point_scene`]: tame, of weighted means or with colours.
+//! [`gradient_row_scene`]: any grid, the transfer function of which has rows by the gradient. [`shaded_point_scene`]: tame, and shaded. [`tame_mixed_point_scene`]: tame, of weighted means or with colours.
 
 mod adaptive;
 mod assembly;
@@ -35,6 +35,7 @@ mod looks;
 mod meshes;
 mod points;
 mod rectilinear;
+mod rows;
 mod scenes;
 mod transfers;
 
@@ -48,5 +49,6 @@ pub use points::{
     mixed_point_set, point_scene, point_set, shaded_point_scene, tame_mixed_point_scene, tame_point_scene,
 };
 pub use rectilinear::{rectilinear_grid, rectilinear_scene, tame_rectilinear_grid, tame_rectilinear_scene};
+pub use rows::gradient_row_scene;
 pub use scenes::{scene, smooth_scene, tame_scene};
 pub use transfers::{smooth_transfer, tame_transfer, transfer};

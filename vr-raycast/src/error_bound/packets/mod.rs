@@ -116,6 +116,11 @@ impl<'a> PacketView<'a> {
         Ok(Self { packets, near, forward: view.camera.frame()?.z_axis, error })
     }
 
+    /// True if rays through the pixels from `low` to `high`, both included, meet clear blocks alone.
+    pub(super) fn is_clear(&self, low: [u32; 2], high: [u32; 2]) -> bool {
+        self.near.is_clear(low, high)
+    }
+
     /// Traces up to sixteen rays, and returns the mask of those whose bound is not kept: the caller has to trace these by other means.
     pub(super) fn trace(
         &self,
