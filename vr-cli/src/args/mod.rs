@@ -177,7 +177,7 @@ pub struct RendererArgs {
     /// Draft, normal and fine aim at an RMSE of 0.004 (a level of 8 bits), 0.001 and 0.00025; proven bounds the error of every pixel by 0.004.
     #[arg(long, value_name = "WHICH", conflicts_with = "max_error", hide_possible_values = true)]
     pub quality: Option<Quality>,
-    /// Bound the error of every pixel by E; where no renderer is named and the usual one cannot, physics does, slowly. Exit code 3 where the bound is not proven for every pixel
+    /// Bound the error of every pixel by E; where no renderer is named and the usual one cannot, one that can draws. Exit code 3 where the bound is not proven for every pixel
     #[arg(long, value_name = "E")]
     pub max_error: Option<f64>,
 }

@@ -25,6 +25,21 @@ height = 1.0
 size = [5, 5]
 "#;
 
+/// Emission on its own, cut at an opacity: no renderer but the reference has a bound for that.
+const EMITTING: &str = r#"
+[volume]
+phantom = "blobs"
+size = 12
+[transfer]
+points = [
+    { value = 0.0, color = [0.0, 0.0, 0.0], opacity = 0.0, emission = [0.0, 0.0, 0.0] },
+    { value = 1.0, color = [1.0, 1.0, 1.0], opacity = 0.5, emission = [0.2, 0.4, 0.1] },
+]
+[render]
+compositing = "accumulate"
+level = 0.5
+"#;
+
 #[test]
 fn a_proven_bound_is_printed() {
     let vr = Vr::new();
@@ -52,8 +67,14 @@ fn what_a_renderer_cannot_promise_is_told_with_one_that_can() {
     let render = "render --phantom blobs --phantom-size 12 --size 8 --error none -o p.png --max-error 0.004";
     let shaded = vr.run(&format!("{render} --shading")).succeeded();
     assert!(shaded.stdout.contains("error bound proven"), "{}", shaded.stdout);
-    let refused = vr.run(&format!("{render} --filter bspline --renderer raycast")).failed(1);
-    assert!(refused.contains("with the filter 'bspline' (--renderer physics can)"), "{refused}");
+    for other in ["--filter bspline", "--gradient-opacity 0,2"] {
+        let drawn = vr.run(&format!("{render} --renderer raycast {other}")).succeeded();
+        assert!(drawn.stdout.contains("error bound proven"), "{other}: {}", drawn.stdout);
+    }
+    vr.write("emitting.toml", EMITTING);
+    let emitting = "render --scene emitting.toml --size 8 --error none -o p.png --max-error 0.004 --renderer raycast";
+    let refused = vr.run(emitting).failed(1);
+    assert!(refused.contains("emission given on its own") && refused.contains("(--renderer physics can)"), "{refused}");
     let refused = vr.run(&format!("{render} --renderer splat")).failed(2);
     assert!(refused.contains("splat cannot bound the error"), "{refused}");
 }
@@ -62,14 +83,24 @@ fn what_a_renderer_cannot_promise_is_told_with_one_that_can() {
 fn where_no_renderer_is_named_one_that_can_bound_the_error_draws() {
     let vr = Vr::new();
     let render = "render --size 8 --error none -o p.png --force";
-    for (scene, usual) in [
-        ("--phantom blobs --phantom-size 12 --filter bspline --max-error 0.004", "raycast"),
-        ("--phantom plummer --points-count 20 --max-error 0.004", "splat"),
-        ("--phantom plummer --points-count 20 --quality proven", "splat"),
+    vr.write("emitting.toml", EMITTING);
+    for (scene, told) in [
+        (
+            "--scene emitting.toml --max-error 0.004",
+            "renderer physics, since raycast cannot bound the error of this scene; it is slow",
+        ),
+        (
+            "--phantom plummer --points-count 20 --max-error 0.004",
+            "renderer raycast, since splat cannot bound the error",
+        ),
+        (
+            "--phantom plummer --points-count 20 --quality proven",
+            "renderer raycast, since splat cannot bound the error",
+        ),
     ] {
         let run = vr.run(&format!("{render} {scene}")).succeeded();
         assert!(run.stdout.contains("error bound proven"), "{scene}: {}", run.stdout);
-        assert!(run.stderr.contains(&format!("renderer physics, since {usual} cannot")), "{scene}: {}", run.stderr);
+        assert!(run.stderr.contains(told), "{scene}: {}", run.stderr);
     }
     // Nothing is said where the usual one can.
     let run = vr.run(&format!("{render} --phantom blobs --phantom-size 12 --max-error 0.004")).succeeded();
