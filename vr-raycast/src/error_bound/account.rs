@@ -106,8 +106,7 @@ impl Account {
         (0.25 * left / self.transmittance.max(1e-300)).max(0.0)
     }
 
-    /// Returns what the field may be off by all along the ray, given the slopes of extinction and source by it: so little that steps hardly notice, which count it
-    /// five times.
+    /// Returns the error of the field, all along the ray, that steps hardly notice, given the slopes of extinction and source by the field's value. Steps count it five times.
     pub(super) fn resolution(&self, [rate, source]: [f64; 2]) -> f64 {
         let length = self.end - self.start;
         let emitted = if self.limits.emits { length } else { 1.0 };
@@ -201,7 +200,7 @@ impl Account {
         self.ended = true;
     }
 
-    /// Adds what it costs that the medium goes on longer, or begins earlier, than where it is taken to: by a light and an opacity of so much at most.
+    /// Adds the cost of a medium that may begin or end a little elsewhere than where it is taken to, by bounds of the opacity and the light in between.
     pub(super) fn misplace(&mut self, opacity: f64, light: f64) {
         self.error += self.transmittance * (light + opacity * self.max_light(self.start));
     }

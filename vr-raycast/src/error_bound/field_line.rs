@@ -84,7 +84,7 @@ impl<'a> FieldWay<'a> {
         }
     }
 
-    /// Hands a stretch over; by halves, which the field may know better, where what it knows is not enough.
+    /// Hands a stretch over, or its halves where the field knows more of those.
     fn part<R: Real>(&self, model: &LineModel, [from, to]: [f64; 2], halvings: u32, course: &mut impl Course) -> bool {
         if course.is_done() || course.passes_values(model.range()) {
             return model.certain;
@@ -98,7 +98,7 @@ impl<'a> FieldWay<'a> {
         if halvings < MAX_HALVINGS && model.field_error > enough.max(rounding) && from < middle && middle < to {
             let halves = [[from, middle], [middle, to]].map(|ends| (ends, self.line.between(ends[0], ends[1])));
             let errors = halves.iter().flat_map(|(_, half)| half).map(|half| half.field_error).fold(0.0, f64::max);
-            // A field that knows no more of the halves will not of theirs.
+            // A field that knows no more of the halves knows no more of shorter parts.
             if errors <= 0.5 * model.field_error {
                 return halves.iter().fold(true, |certain, (ends, half)| {
                     half.as_ref().is_none_or(|half| self.part::<R>(half, *ends, halvings + 1, course)) && certain

@@ -63,7 +63,7 @@ pub(crate) struct ErrorBound {
     /// `None` where extinction stays as it is.
     modulation: Option<Modulation>,
     error: f64,
-    /// What values that are picked may be off by without that it matters.
+    /// Error of picked values that does not matter.
     resolution: f64,
     level: f64,
     sought: Sought,

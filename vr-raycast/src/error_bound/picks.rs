@@ -21,7 +21,7 @@ pub(super) enum Wanted {
 #[derive(Clone, Debug)]
 pub(super) struct Search {
     wanted: Wanted,
-    /// What values may be off by without that it matters.
+    /// Error of values that does not matter.
     resolution: f64,
     /// Largest value found, times the sign, and its distance.
     found: f64,

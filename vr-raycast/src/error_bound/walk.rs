@@ -35,10 +35,10 @@ pub(super) trait Course {
     /// True if no value of a range matters.
     fn passes_values(&self, range: [f64; 2]) -> bool;
 
-    /// Returns what the field may be off by where its values are in a range, without that it matters.
+    /// Returns the error of the field that does not matter where its values are in a range.
     fn resolution(&self, range: [f64; 2]) -> f64;
 
-    /// Takes a place at which the field jumps, or begins or ends, and which is not known to the last bit: what is off by that is no value, but a length.
+    /// Takes a place at which the field jumps, begins or ends, and which is known up to a bound: lengths are off by that, not values.
     fn jump(&mut self, jump: &Jump);
 
     /// Takes a stretch of one stored number. `normals` gives the gradient along it.
