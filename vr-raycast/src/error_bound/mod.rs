@@ -270,15 +270,16 @@ impl BoundedRays<'_> {
                 return self.picked(&way, wanted, counts);
             }
             let reflection = self.error_bound.reflection.as_ref().map(|r| r.along(ray.direction));
+            let ray = BoundedRay { way, reflection, backdrop };
             if let Sought::First(threshold) = self.error_bound.sought {
-                return self.first(&way, reflection, threshold, counts);
+                return self.first(ray, threshold, counts);
             }
-            let account = self.both_stages(&way, reflection, backdrop, single, counts);
+            let account = self.both_stages(&ray, single, counts);
             counts.terminated += u64::from(account.ended);
             let [r, g, b] = account.light;
             RaySample {
                 rgba: [r, g, b, account.opacity()].map(|x| x as f32),
-                depth: (account.half_way + way.chord().offset) as f32,
+                depth: (account.half_way + ray.way.chord().offset) as f32,
             }
         });
         layer.map_or(value, |l| value.over(l, spot.pixel))
@@ -311,15 +312,10 @@ impl BoundedRays<'_> {
     }
 
     /// Shows the first place of a ray where the field reaches a threshold.
-    fn first(
-        &self,
-        way: &Way<'_>,
-        reflection: Option<RayReflection<'_>>,
-        threshold: f64,
-        counts: &mut Counts,
-    ) -> RaySample {
+    fn first(&self, ray: BoundedRay<'_>, threshold: f64, counts: &mut Counts) -> RaySample {
+        let BoundedRay { way, reflection, .. } = ray;
         let search = FirstSearch::new(&self.error_bound.optics, reflection, threshold);
-        let (search, certain) = self.walk::<f64, _>(way, search);
+        let (search, certain) = self.walk::<f64, _>(&way, search);
         counts.samples += search.steps;
         let colors = self.error_bound.optics.transfer.brightest_color();
         let brightest = self.error_bound.reflection.as_ref().map_or(colors, |reflection| reflection.brightest);
@@ -337,17 +333,10 @@ impl BoundedRays<'_> {
         }
     }
 
-    fn both_stages(
-        &self,
-        way: &Way<'_>,
-        reflection: Option<RayReflection<'_>>,
-        backdrop: f64,
-        single: &mut Tries,
-        counts: &mut Counts,
-    ) -> Account {
+    fn both_stages(&self, ray: &BoundedRay<'_>, single: &mut Tries, counts: &mut Counts) -> Account {
         if self.single && single.is_worth_while() {
             single.tried += 1;
-            let (account, kept) = self.integrated::<f32>(way, reflection.clone(), backdrop);
+            let (account, kept) = self.integrated::<f32>(ray);
             counts.samples += account.steps;
             if kept {
                 return account;
@@ -355,7 +344,7 @@ impl BoundedRays<'_> {
             single.failed += 1;
         }
         counts.repeated += u64::from(self.single);
-        let (account, kept) = self.integrated::<f64>(way, reflection, backdrop);
+        let (account, kept) = self.integrated::<f64>(ray);
         if !kept {
             counts.count_unbounded(self.error_bound.error * account.overrun());
         }
@@ -364,16 +353,11 @@ impl BoundedRays<'_> {
     }
 
     /// Integrates a ray in one precision. Also returns true if its bound is kept.
-    fn integrated<R: Real>(
-        &self,
-        way: &Way<'_>,
-        reflection: Option<RayReflection<'_>>,
-        backdrop: f64,
-    ) -> (Account, bool) {
-        let error_bound = self.error_bound;
+    fn integrated<R: Real>(&self, ray: &BoundedRay<'_>) -> (Account, bool) {
+        let (error_bound, &BoundedRay { ref way, ref reflection, backdrop }) = (self.error_bound, ray);
         let Chord { start, end, .. } = way.chord();
         let account = Account::new(error_bound.limits(), start, end, backdrop);
-        let by_gradient = (reflection, error_bound.modulation.as_ref());
+        let by_gradient = (reflection.clone(), error_bound.modulation.as_ref());
         // Only f32 has something better to turn to.
         let gives_up = R::ROUNDOFF > f64::EPSILON;
         let integral = Integral::new(&error_bound.optics, by_gradient, account, gives_up);
@@ -407,6 +391,15 @@ impl BoundedRays<'_> {
             }
         }
     }
+}
+
+/// Ray in the volume.
+struct BoundedRay<'a> {
+    way: Way<'a>,
+    /// `None` where colours stay as they are.
+    reflection: Option<RayReflection<'a>>,
+    /// Largest component of what stands behind the volume.
+    backdrop: f64,
 }
 
 /// Way of a ray through the volume.

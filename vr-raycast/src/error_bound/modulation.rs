@@ -5,7 +5,7 @@ use vr_core::{Scene, factor_at};
 use super::normals::Normals;
 use super::series::Series;
 
-/// What the gradient's magnitude does to the medium.
+/// Effect of the gradient's magnitude on the medium.
 #[derive(Clone, Debug)]
 pub(super) enum Modulation {
     /// It multiplies extinction by a factor.
@@ -74,15 +74,15 @@ impl Modulation {
         Some(factors.at(&Magnitude::on(normals, part)))
     }
 
-    /// Returns the rows that have a share on the part [from, to] of a cell, 0 to 1, with these; none where a factor is all that there is.
-    pub(super) fn shares(&self, normals: &Normals, part: [f64; 2]) -> Vec<(usize, Series)> {
-        let Self::Rows { magnitudes, shares } = self else { return Vec::new() };
+    /// Returns the rows that have a share on the part [from, to] of a cell, 0 to 1, with these; `None` where no rows are mixed.
+    pub(super) fn shares(&self, normals: &Normals, part: [f64; 2]) -> Option<Vec<(usize, Series)>> {
+        let Self::Rows { magnitudes, shares } = self else { return None };
         let magnitude = Magnitude::on(normals, part);
         let [low, high] = magnitude.range;
         let first = magnitudes.partition_point(|&m| m <= low).max(1) - 1;
         let end = (magnitudes.partition_point(|&m| m < high) + 1).min(magnitudes.len());
         let all = (first..end.max(first + 1)).map(|i| (i, shares[i].at(&magnitude)));
-        all.filter(|(_, share)| !share.is_nothing()).map(|(i, share)| (i, share.series)).collect()
+        Some(all.filter(|(_, share)| !share.is_nothing()).map(|(i, share)| (i, share.series)).collect())
     }
 }
 
@@ -148,7 +148,7 @@ impl Factor {
         self.range[1] <= 0.0
     }
 
-    /// True if all absorbs that does without it.
+    /// True if whatever absorbs without the factor absorbs with it.
     pub(super) fn is_something(&self) -> bool {
         self.range[0] > 0.0
     }
@@ -205,7 +205,7 @@ mod tests {
         let at = |magnitude: f64| {
             let powers = [[magnitude, 0.0, 0.0, 0.0], [0.0; 4], [0.0; 4]];
             let normals = Normals::Along { powers, off: 0.0, unit: 1.0, corners: None };
-            rows.shares(&normals, [0.0, 1.0])
+            rows.shares(&normals, [0.0, 1.0]).unwrap()
         };
         for (magnitude, want) in
             [(0.25, vec![(0, 0.75), (1, 0.25)]), (2.5, vec![(1, 0.25), (2, 0.75)]), (9.0, vec![(2, 1.0)])]
@@ -216,7 +216,7 @@ mod tests {
                 assert!(row == want_row && (share.c[0] - want_share).abs() <= share.rest + 1e-15 && share.rest < 1e-13);
             }
         }
-        assert_eq!(rows.shares(&Normals::Unknown, [0.0, 1.0]).len(), 3);
-        assert_eq!(rows.shares(&Normals::Absent, [0.0, 1.0]), [(0, Series::constant(1.0))]);
+        assert_eq!(rows.shares(&Normals::Unknown, [0.0, 1.0]).unwrap().len(), 3);
+        assert_eq!(rows.shares(&Normals::Absent, [0.0, 1.0]).unwrap(), [(0, Series::constant(1.0))]);
     }
 }

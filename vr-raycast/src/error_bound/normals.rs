@@ -16,7 +16,7 @@ pub(super) struct Gradients {
     pub(super) analytic: bool,
     /// Rows of the matrix from gradients per index step to the world, by a common factor.
     pub(super) to_world: [[f64; 3]; 3],
-    /// That factor.
+    /// The factor of `to_world`.
     unit: f64,
 }
 

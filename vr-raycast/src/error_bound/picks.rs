@@ -33,7 +33,7 @@ pub(super) struct Search {
     integral: f64,
     off: f64,
     length: f64,
-    /// What that length is off by.
+    /// Error of `length`.
     length_off: f64,
     pub(super) steps: u64,
 }

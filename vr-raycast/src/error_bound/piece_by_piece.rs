@@ -61,6 +61,14 @@ struct Cell<R> {
     length: f64,
 }
 
+/// Medium of one stored number.
+#[derive(Clone, Copy)]
+struct Uniform {
+    stored: f64,
+    rate: f64,
+    source: [f64; 3],
+}
+
 /// Part of a cell.
 #[derive(Clone, Copy)]
 struct Part<R> {
@@ -90,35 +98,36 @@ impl<'a> Integral<'a> {
     }
 
     /// Integrates a part, from one fraction of a cell to another, of one extinction and colour, which follow the gradient.
-    fn uniform_part(&mut self, stored: f64, normals: &Normals, (ends, s, length): ([f64; 2], f64, f64), cuts: u32) {
+    fn uniform_part(
+        &mut self,
+        mut medium: Uniform,
+        normals: &Normals,
+        (ends, s, length): ([f64; 2], f64, f64),
+        cuts: u32,
+    ) {
         if self.is_done() || length <= 0.0 {
             return;
         }
         let factor = self.factor(normals, ends);
-        let (mut medium, nothing) = (self.optics.exactly(stored), factor.is_some_and(|factor| factor.is_nothing()));
-        if nothing {
+        if factor.is_some_and(|factor| factor.is_nothing()) {
+            if !(self.optics.emits && medium.source != [0.0; 3]) {
+                return;
+            }
             // Not even a wall.
-            medium.0 = 0.0;
+            medium.rate = 0.0;
         }
-        let (rate, source) = medium;
-        if nothing && !(self.optics.emits && source != [0.0; 3]) {
-            return;
-        }
+        let Uniform { stored, rate, source } = medium;
         let enough = self.is_enough(cuts);
         if rate < f64::INFINITY {
             let reflected = self.reflected(normals, ends);
-            let step = match self.modulation.filter(|_| !self.optics.rows.is_empty()) {
-                Some(modulation) => {
-                    let shares = modulation.shares(normals, ends);
-                    constant_mixture(self.optics, &shares, stored, length, reflected.as_ref())
-                }
-                None => {
-                    let factor = factor.as_ref().map(|factor| &factor.series);
-                    let gradient = ByGradient { reflected: reflected.as_ref(), factor };
-                    constant_by_gradient(self.optics, medium, length, gradient)
-                }
+            let step = if let Some(shares) = self.shares(normals, ends) {
+                constant_mixture(self.optics, &shares, stored, length, reflected.as_ref())
+            } else {
+                let factor = factor.as_ref().map(|factor| &factor.series);
+                let gradient = ByGradient { reflected: reflected.as_ref(), factor };
+                constant_by_gradient(self.optics, (rate, source), length, gradient)
             };
-            let step = step.unwrap_or_else(|| self.coarse_uniform(stored, nothing, normals, (ends, length)));
+            let step = step.unwrap_or_else(|| self.coarse_uniform(&medium, normals, (ends, length)));
             if self.account.fits(&step, s) || enough {
                 self.account.take(&step, s);
                 return;
@@ -127,19 +136,18 @@ impl<'a> Integral<'a> {
             let light = if self.optics.emits { [0.0; 3] } else { source };
             return self.wall(light, 0.0, 0.0, (normals, ends[0]), s);
         } else if enough || normals.is_blurred(ends) {
-            let step = self.coarse_uniform(stored, nothing, normals, (ends, length));
+            let step = self.coarse_uniform(&medium, normals, (ends, length));
             let before = if self.optics.emits { step.light.into_iter().fold(0.0, f64::max) } else { 0.0 };
             return self.account.doubt(PendingWall { step, before, spread: 0.0, turn: self.turn(normals, ends) });
         }
         let (half, middle) = (0.5 * length, 0.5 * (ends[0] + ends[1]));
-        self.uniform_part(stored, normals, ([ends[0], middle], s, half), cuts + 1);
-        self.uniform_part(stored, normals, ([middle, ends[1]], s + half, half), cuts + 1);
+        self.uniform_part(medium, normals, ([ends[0], middle], s, half), cuts + 1);
+        self.uniform_part(medium, normals, ([middle, ends[1]], s + half, half), cuts + 1);
     }
 
-    /// Returns the step over all that the medium of one stored number may be on a part of a cell. `nothing`: it does not absorb there.
-    fn coarse_uniform(&self, stored: f64, nothing: bool, normals: &Normals, (ends, length): ([f64; 2], f64)) -> Step {
-        let (rate, source) = self.optics.exactly(stored);
-        let rate = if nothing { 0.0 } else { rate };
+    /// Returns the step over all that the medium of one stored number may be on a part of a cell.
+    fn coarse_uniform(&self, medium: &Uniform, normals: &Normals, (ends, length): ([f64; 2], f64)) -> Step {
+        let &Uniform { stored, rate, source } = medium;
         let is_wall = rate == f64::INFINITY;
         let before_wall = if is_wall { 0.0 } else { rate };
         let own = Extremes { rate: [rate; 2], before_wall, source: source.map(|x| [x; 2]), wall: is_wall };
@@ -150,6 +158,11 @@ impl<'a> Integral<'a> {
     /// Returns the factor on extinction on a part of a cell; `None` where it stays as it is.
     fn factor(&self, normals: &Normals, ends: [f64; 2]) -> Option<Factor> {
         self.modulation.and_then(|modulation| modulation.on(normals, ends))
+    }
+
+    /// Returns the shares of the transfer function's rows on a part of a cell; `None` where it has none.
+    fn shares(&self, normals: &Normals, ends: [f64; 2]) -> Option<Vec<(usize, Series)>> {
+        self.modulation.and_then(|modulation| modulation.shares(normals, ends))
     }
 
     /// Returns the change of colours on a part of a cell; `None` where they stay.
@@ -296,8 +309,7 @@ impl<'a> Integral<'a> {
         (noise, factor): (f64, Option<&Factor>),
     ) -> Option<Step> {
         let reflected = self.reflected(&cell.normals, part.ends);
-        if let Some(modulation) = self.modulation.filter(|_| !self.optics.rows.is_empty()) {
-            let shares = modulation.shares(&cell.normals, part.ends);
+        if let Some(shares) = self.shares(&cell.normals, part.ends) {
             // All rows have the same pieces.
             let values = (cell.place.base, noise, piece.inside());
             return smooth_mixture(self.optics, &shares, &part.cubic, values, part.length, reflected.as_ref());
@@ -461,7 +473,7 @@ impl Course for Integral<'_> {
         if rate < f64::INFINITY && self.modulation.is_none() && matches!(normals, Normals::Absent) {
             self.account.take(&constant(self.optics, rate, source, length), s);
         } else {
-            self.uniform_part(stored, &normals, ([0.0, 1.0], s, length), 0);
+            self.uniform_part(Uniform { stored, rate, source }, &normals, ([0.0, 1.0], s, length), 0);
         }
     }
 

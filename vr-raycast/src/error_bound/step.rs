@@ -359,7 +359,7 @@ pub(super) fn smooth<R: Real>(
     Some(step)
 }
 
-/// What the gradient makes of a medium on a step.
+/// Effect of the gradient on the medium of a step.
 #[derive(Clone, Copy)]
 pub(super) struct ByGradient<'a> {
     /// Reflection of its light, and the factor on extinction; `None` where these stay as they are.
