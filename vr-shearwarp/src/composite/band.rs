@@ -68,10 +68,13 @@ pub(crate) struct Line {
     pub(crate) samples: u32,
     /// Number of opaque texels.
     pub(crate) opaque: u32,
+    /// A texel, and one behind it up to which all are opaque from there on.
+    closed: [u32; 2],
 }
 
 impl Line {
-    pub(crate) const EMPTY: Self = Self { drawn: [u32::MAX, 0], seen: [u32::MAX, 0], samples: 0, opaque: 0 };
+    pub(crate) const EMPTY: Self =
+        Self { drawn: [u32::MAX, 0], seen: [u32::MAX, 0], samples: 0, opaque: 0, closed: [0; 2] };
 }
 
 /// Compositing of one band.
@@ -157,7 +160,8 @@ impl<K: Kernel, const N: usize> Vectorized for Work<'_, '_, K, N> {
                 continue;
             }
             let (planes, chords) = scratch.row(row, line);
-            let planes = Row::new(planes);
+            let mut planes = Row::new(planes);
+            kernel.end(simd, &mut planes);
             planes.write(texels);
             let stops = if band.stops.is_empty() { &[] } else { &band.stops[row * width..][..width] };
             let seen = finish(kernel, slices, band.first + row, &planes, (texels, depths), (stops, chords));
@@ -272,7 +276,11 @@ impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
         // Up to here, from where the runs began, all is opaque.
         let mut open = first;
         if K::CLOSES && self.line.opaque > 0 {
-            open = self.links.next_open(open);
+            // Slices begin at about the same texel, behind which most is opaque.
+            let [from, to] = self.line.closed.map(|x| x as usize);
+            let known = (from..to).contains(&first);
+            open = self.links.next_open(if known { to } else { first });
+            self.line.closed = [if known { from } else { first } as u32, open as u32];
         }
         for run in runs {
             if open >= end_of_row {
@@ -316,7 +324,7 @@ impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
             let chunk = Chunk { x, y: self.y, n, slice: self.number };
             let whole = x >= self.texels.whole[0] && x + n <= self.texels.whole[1];
             if !whole {
-                self.shares(x, &mut shares);
+                self.shares(x, &mut shares[..n]);
             }
             let shares = (!whole).then_some(&shares);
             // One call for each kind of chunk, so that the compiler inlines it. Not by force: functions that are forced inline are simplified only as a
@@ -345,16 +353,14 @@ impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
         }
     }
 
-    /// Shares that the samples of sixteen texels stand for, in distances between slices; negative where there is none, behind a surface.
+    /// Shares that the samples of texels from x on stand for, in distances between slices; negative where there is none, behind a surface.
     #[inline(always)]
-    fn shares(&mut self, x: usize, shares: &mut [f32; LANES]) {
-        let chords = chords_of(self.slices, self.y, self.row.width(), self.stops, self.chords);
-        let [front, back]: [&[f64; LANES]; 2] =
-            chords.map(|v| v[x..x + LANES].try_into().expect("as long as the row, and a vector"));
-        for i in 0..LANES {
-            let (depth, chord) = (self.slice.depth, [front[i], back[i]]);
+    fn shares(&mut self, x: usize, shares: &mut [f32]) {
+        let [front, back] = chords_of(self.slices, self.y, self.row.width(), self.stops, self.chords);
+        for ((share, &front), &back) in shares.iter_mut().zip(&front[x..]).zip(&back[x..]) {
+            let (depth, chord) = (self.slice.depth, [front, back]);
             let behind = self.slices.is_behind(depth, chord);
-            shares[i] = if behind { BEHIND } else { self.slices.share(depth, chord) as f32 };
+            *share = if behind { BEHIND } else { self.slices.share(depth, chord) as f32 };
         }
     }
 }

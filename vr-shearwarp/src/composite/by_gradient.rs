@@ -103,6 +103,10 @@ impl<P: Code, const PRE_CLASSIFIED: bool> Kernel for ByGradient<'_, P, PRE_CLASS
         self.over.composite(simd, samples, &at, row)
     }
 
+    fn end<S: Simd>(&self, simd: S, row: &mut Row<'_>) {
+        self.over.end(simd, row);
+    }
+
     fn finish(&self, seen: &Seen<'_>, texel: &mut [f32; 4]) -> f64 {
         self.over.finish(seen, texel)
     }

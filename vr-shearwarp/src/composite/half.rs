@@ -1,29 +1,40 @@
 //! Places at which opacity reaches a half, within the samples in which it does.
+//!
+//! Rows only note the sample in which a texel's opacity passes a half: where in it that is takes two logarithms, which are computed for sixteen texels at once when all
+//! slices are through.
 
 use fearless_simd::Simd;
-use vr_kernels::vector::{Lanes, share_of_half};
+use vr_kernels::vector::{LANES, Lanes, share_of_half};
+
+use super::kernel::Row;
 
 /// Largest fraction of an interval: its end is the next one's begin.
 const BELOW_ONE: f32 = 0.9999;
 
-/// Notes the places of the `crossing` ones among up to sixteen texels, whose opacity was `before`, in the samples of opacity `alpha` of a slice.
+/// Notes that the `crossing` ones among up to sixteen texels from x on, whose opacity was `before`, pass a half in samples of opacity `alpha` of a slice.
 #[inline(always)]
-pub(super) fn note_half<S: Simd>(
-    simd: S,
-    crossing: u32,
-    before: &[f32],
-    alpha: &[f32],
-    slice: f32,
-    places: &mut [f32],
-) {
-    let (mut opacities, mut own, mut share) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
-    opacities.0[..before.len()].copy_from_slice(before);
-    own.0[..alpha.len()].copy_from_slice(alpha);
-    share_of_half(simd, &opacities, &own, &mut share);
+pub(super) fn note_half(crossing: u32, x: usize, before: &[f32], alpha: &[f32], slice: f32, row: &mut Row<'_>) {
     let mut left = crossing;
     while left != 0 {
         let i = left.trailing_zeros() as usize;
-        places[i] = slice + share.0[i].min(BELOW_ONE);
+        row.pass_half(x + i, slice, [before[i], alpha[i]]);
         left &= left - 1;
+    }
+}
+
+/// Turns the numbers of the slices in which texels pass a half into places.
+pub(super) fn place_halves<S: Simd>(simd: S, row: &mut Row<'_>) {
+    for x in (0..row.width()).step_by(LANES) {
+        let (places, [before, alpha]) = row.halves(x);
+        if places.iter().all(|&place| place == 0.0) {
+            continue;
+        }
+        let mut share = Lanes::ZERO;
+        share_of_half(simd, &Lanes(*before), &Lanes(*alpha), &mut share);
+        for (place, &share) in places.iter_mut().zip(&share.0) {
+            if *place > 0.0 {
+                *place += share.min(BELOW_ONE);
+            }
+        }
     }
 }

@@ -28,6 +28,9 @@ pub(crate) trait Kernel: Sync {
         row: &mut Row<'_>,
     ) -> Added;
 
+    /// Ends a row when all slices are through.
+    fn end<S: Simd>(&self, _: S, _: &mut Row<'_>) {}
+
     /// Finishes a texel that sees something at a place of its ray, and returns the depth of that.
     fn finish(&self, seen: &Seen<'_>, texel: &mut [f32; 4]) -> f64;
 }
@@ -95,16 +98,19 @@ impl Chunk {
     }
 }
 
-/// A row of texels while it is worked on: all reds, all greens, all blues, all opacities, and all places of what is seen, each with room for a
-/// vector behind the last.
+/// A row of texels while it is worked on: all reds, all greens, all blues, all opacities, all places of what is seen, and what is known of these,
+/// each with room for a vector behind the last.
 pub(crate) struct Row<'a>([&'a mut [f32]; PLANES]);
 
 /// Components of a texel.
-const PLANES: usize = 5;
+const PLANES: usize = 7;
 
 /// The component that says where on its ray a texel sees something: the number of a slice, from 1 on, and a fraction of the interval that its
 /// sample stands for; 0 for nowhere yet.
 pub(crate) const PLACE: usize = 4;
+
+/// Opacities before the sample in which a texel passes a half, and those of that sample.
+const HALVES: [usize; 2] = [5, 6];
 
 impl<'a> Row<'a> {
     /// Numbers that a row of that many texels takes.
@@ -118,8 +124,10 @@ impl<'a> Row<'a> {
         let (r, rest) = planes.split_at_mut(stride);
         let (g, rest) = rest.split_at_mut(stride);
         let (b, rest) = rest.split_at_mut(stride);
-        let (a, place) = rest.split_at_mut(stride);
-        Self([r, g, b, a, place])
+        let (a, rest) = rest.split_at_mut(stride);
+        let (place, rest) = rest.split_at_mut(stride);
+        let (before, alpha) = rest.split_at_mut(stride);
+        Self([r, g, b, a, place, before, alpha])
     }
 
     /// Number of texels.
@@ -146,9 +154,25 @@ impl<'a> Row<'a> {
         *places = pick(which, splat(simd, place), f32x16::load_array_ref(simd, places)).to_array();
     }
 
+    /// Notes the slice in which a texel's opacity passes a half, the opacity before and that of its sample.
+    #[inline(always)]
+    pub(super) fn pass_half(&mut self, x: usize, slice: f32, half: [f32; 2]) {
+        self.0[PLACE][x] = slice;
+        for (plane, opacity) in HALVES.into_iter().zip(half) {
+            self.0[plane][x] = opacity;
+        }
+    }
+
+    /// The places of sixteen texels, from x on, and what is noted of their halves.
+    pub(super) fn halves(&mut self, x: usize) -> (&mut [f32; LANES], [&[f32; LANES]; 2]) {
+        let [.., places, before, alpha] = &mut self.0;
+        let places = (&mut places[x..x + LANES]).try_into().expect("as many as asked for");
+        (places, [before, alpha].map(|plane| plane[x..x + LANES].try_into().expect("as many as asked for")))
+    }
+
     /// The texels, one after another.
     pub(crate) fn write(&self, texels: &mut [[f32; 4]]) {
-        let [r, g, b, a, _] = self.0.each_ref().map(|plane| &plane[..texels.len()]);
+        let [r, g, b, a, ..] = self.0.each_ref().map(|plane| &plane[..texels.len()]);
         for (i, texel) in texels.iter_mut().enumerate() {
             *texel = [r[i], g[i], b[i], a[i]];
         }

@@ -8,8 +8,8 @@ use vr_kernels::vector::{
 };
 
 use super::cells::{Columns, Edges, Places, SPAN, STEPS_F32, values};
-use super::half::note_half;
-use super::kernel::{Added, Chunk, Kernel, PLACE, Row, Seen};
+use super::half::{note_half, place_halves};
+use super::kernel::{Added, Chunk, Kernel, Row, Seen};
 use super::ray_lights::RayLights;
 use super::short_run::MAX_SHORT;
 use crate::codes::Code;
@@ -82,6 +82,10 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Kernel for Over<'_,
             samples = step_of_thickness(simd, samples, shares);
         }
         self.composite(simd, samples, &at, row)
+    }
+
+    fn end<S: Simd>(&self, simd: S, row: &mut Row<'_>) {
+        place_halves(simd, row);
     }
 
     /// The depth at which opacity reaches a half, the medium homogeneous around its slice.
@@ -208,8 +212,7 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLA
         }
         let crossing = before.simd_lt(splat(simd, self.half)) & after.simd_ge(splat(simd, self.half));
         if crossing.any_true() {
-            let places = row.lanes(PLACE, at.x);
-            note_half(simd, crossing.to_bitmask() as u32, &before.to_array(), &alpha.to_array(), at.slice, places);
+            note_half(crossing.to_bitmask() as u32, at.x, &before.to_array(), &alpha.to_array(), at.slice, row);
         }
         for (component, light) in [r, g, b].into_iter().enumerate() {
             let sum = row.lanes(component, at.x);

@@ -8,7 +8,7 @@ use vr_kernels::vector::share_to_level;
 
 use super::cells::{Columns, Edges};
 use super::half::note_half;
-use super::kernel::{Added, Chunk, PLACE, Row};
+use super::kernel::{Added, Chunk, Row};
 use super::over::{BY_TABLE, Over};
 use crate::codes::Code;
 
@@ -141,8 +141,7 @@ impl<P: Code, const PRE_CLASSIFIED: bool, const SHADING: u8> Over<'_, P, PRE_CLA
         }
         let crossing = before.simd_lt(self.half) & after.simd_ge(self.half);
         if crossing.any_true() {
-            let places: &mut [f32; FOUR] = row.several(PLACE, at.x);
-            note_half(simd, crossing.to_bitmask() as u32, &before.to_array(), &alpha.to_array(), at.slice, places);
+            note_half(crossing.to_bitmask() as u32, at.x, &before.to_array(), &alpha.to_array(), at.slice, row);
         }
         for (component, light) in [r, g, b].into_iter().enumerate() {
             let sum: &mut [f32; FOUR] = row.several(component, at.x);
