@@ -1,5 +1,8 @@
 //! Picture by a renderer that aims at an RMSE itself, judged on a sample of its pixels.
 
+use std::collections::HashMap;
+use std::time::{Duration, Instant};
+
 use vr_core::{Control, Frame, Model, Options, Prepared, RenderError, Scene, StudiedRenderer, View};
 use vr_physics::metrics::subgrid;
 
@@ -10,9 +13,11 @@ use super::{AimedPicture, BoundedRenderer, drawn_once};
 use crate::reference::ReferenceCache;
 
 /// Share of the target that is aimed at: room for what a sample leaves open, and for rays that are left out.
-const AIM_SHARE: f64 = 0.7;
+const AIM_SHARE: f64 = 0.5;
 /// Number of pictures after which aiming is given up.
 const TRIES: usize = 3;
+/// Number of aims that may be lowered before a picture is drawn, by what its rays miss.
+const LOOKS: usize = 2;
 /// Part of a picture's pixels that are compared, of an even grid and of the strata together; in small pictures, where it would be too few, [`MIN_COMPARED`].
 const COMPARED: f64 = 1.0 / 128.0;
 /// Smallest number of pixels that are compared.
@@ -20,7 +25,7 @@ const MIN_COMPARED: f64 = 192.0;
 /// Part of a picture's pixels, those with the strongest contrasts, that are drawn again by a finer guide: where a picture is wrong in few pixels, it is in these.
 const GUIDED: f64 = 1.0 / 16.0;
 /// Aim of the guide, in aims of the picture.
-const GUIDE_AIM: f64 = 1.0 / 8.0;
+const GUIDE_AIM: f64 = 1.0 / 4.0;
 
 /// Draws a picture by a renderer that aims at the target, anew and aiming lower until its RMSE is within it, with the confidence of [`super::CONFIDENCE`]; `None` where the renderer cannot
 /// aim at it, or neither aiming lower nor a promise of every pixel helps.
@@ -38,8 +43,11 @@ pub(super) fn draw(
     let mut judge = SampleJudge::new(target, bounded, scene, (cache, control))?;
     let mut aim = AIM_SHARE * target.min(1.0);
     for tried in 1..=TRIES {
-        let Ok(aiming) = renderer.with_options(&Options::new().with(option.key, aim)) else { return Ok(None) };
-        let Some((rendered, times)) = taken(drawn_once(&*aiming, (scene, view), control))? else { return Ok(None) };
+        let aiming = aiming(&mut judge, (renderer, option.key, target), &mut aim, (scene, view), control)?;
+        let Some(Aiming { renderer: aiming, mut prepared, prepare }) = aiming else { return Ok(None) };
+        let start = Instant::now();
+        let Some(rendered) = taken(prepared.render(view, control))? else { return Ok(None) };
+        let times = [prepare, start.elapsed()];
         let Ok(finer) = renderer.with_options(&Options::new().with(option.key, aim * GUIDE_AIM)) else {
             return Ok(None);
         };
@@ -62,6 +70,40 @@ pub(super) fn draw(
     Ok(Some(AimedPicture { renderer: promising, aim: promised, tried: TRIES, rendered, times, error }))
 }
 
+/// A renderer that aims at an RMSE, ready to draw.
+struct Aiming {
+    renderer: Box<dyn StudiedRenderer>,
+    prepared: Box<dyn Prepared>,
+    prepare: Duration,
+}
+
+/// Prepares a renderer with an aim, which is lowered first where rays of an even grid of pixels miss the target: that takes far less time than to draw a picture in vain. `None` where the renderer does not
+/// take the scene.
+fn aiming(
+    judge: &mut SampleJudge<'_>,
+    (renderer, key, target): (&dyn StudiedRenderer, &'static str, f64),
+    aim: &mut f64,
+    (scene, view): (&Scene, &View),
+    control: &Control,
+) -> Result<Option<Aiming>, RenderError> {
+    let mut looks = 0;
+    loop {
+        let Ok(renderer) = renderer.with_options(&Options::new().with(key, *aim)) else { return Ok(None) };
+        let start = Instant::now();
+        let Some(mut prepared) = taken(renderer.prepare(scene, control))? else { return Ok(None) };
+        let prepare = start.elapsed();
+        looks += 1;
+        if looks <= LOOKS
+            && let Some(rmse) = judge.rays(&mut *prepared, view, control)?
+            && rmse > target
+        {
+            *aim *= (AIM_SHARE * target / rmse).clamp(0.05, 0.5);
+            continue;
+        }
+        return Ok(Some(Aiming { renderer, prepared, prepare }));
+    }
+}
+
 /// Returns what was drawn; `None` where the renderer does not take the scene.
 fn taken<T>(drawn: Result<T, RenderError>) -> Result<Option<T>, RenderError> {
     match drawn {
@@ -77,8 +119,8 @@ const SOLVED: f64 = 0.125;
 
 /// Way to know pixels of a scene.
 enum SampleJudge<'a> {
-    /// By a renderer that proves them to be within an error.
-    Bounded { prepared: Box<dyn Prepared>, max_error: f64 },
+    /// By a renderer that proves them to be within an error; those that it has proven already.
+    Bounded { prepared: Box<dyn Prepared>, max_error: f64, proven: HashMap<[u32; 2], [f32; 4]> },
     /// By the reference.
     Reference { scene: &'a Scene, cache: &'a ReferenceCache },
 }
@@ -99,7 +141,7 @@ impl<'a> SampleJudge<'a> {
         (cache, control): (&'a ReferenceCache, &Control),
     ) -> Result<Self, RenderError> {
         if let Some(first) = preparing(target, bounded, scene, control).next() {
-            return first.map(|(prepared, max_error)| Self::Bounded { prepared, max_error });
+            return first.map(|(prepared, max_error)| Self::Bounded { prepared, max_error, proven: HashMap::new() });
         }
         Ok(Self::Reference { scene, cache })
     }
@@ -119,16 +161,13 @@ impl<'a> SampleJudge<'a> {
         control: &Control,
     ) -> Result<Option<Known>, RenderError> {
         match self {
-            Self::Bounded { prepared, max_error } => {
-                let Some(proven) = prepared.pixels(view, places, control)? else { return Ok(None) };
-                // Those without a bound are drawn as well as can be.
-                if proven.counts.unbounded as f64 > MAX_UNBOUNDED * places.len() as f64 {
+            Self::Bounded { prepared, max_error, proven } => {
+                let Some(pixels) = proven_pixels(&mut **prepared, proven, (view, places), control)? else {
                     return Ok(None);
-                }
-                let squares =
-                    places.iter().zip(&proven.rgba).map(|(&place, pixel)| square(frame, place, pixel)).collect();
+                };
+                let squares = places.iter().zip(&pixels).map(|(&place, pixel)| square(frame, place, pixel)).collect();
                 // The whole picture's largest magnitude is at least that of these pixels.
-                Ok(Some(Known { squares, scale: scale_of(&proven.rgba, *max_error), error: *max_error }))
+                Ok(Some(Known { squares, scale: scale_of(&pixels, *max_error), error: *max_error }))
             }
             Self::Reference { scene, cache } => {
                 let reference = cache.solve((scene, view), &Model::Canonical, places.to_vec(), control)?;
@@ -137,6 +176,23 @@ impl<'a> SampleJudge<'a> {
                 Ok(Some(Known { squares, scale, error: reference.certainty.value() / scale }))
             }
         }
+    }
+
+    /// Returns an even grid of pixels to compare.
+    fn even(&self, view: &View) -> Vec<[u32; 2]> {
+        let [width, height] = view.size.map(|n| n as usize);
+        subgrid((0.5 * self.sample(width * height)).sqrt().ceil() as u32, view.size)
+    }
+
+    /// Returns the RMSE of rays on the even grid; `None` where that is no quick look.
+    fn rays(&mut self, drawing: &mut dyn Prepared, view: &View, control: &Control) -> Result<Option<f64>, RenderError> {
+        let places = self.even(view);
+        let Self::Bounded { prepared, max_error, proven } = self else { return Ok(None) };
+        let Some(pixels) = proven_pixels(&mut **prepared, proven, (view, &places), control)? else { return Ok(None) };
+        let Some(drawn) = drawing.pixels(view, &places, control)? else { return Ok(None) };
+        let squares = drawn.rgba.iter().zip(&pixels).map(|(found, proven)| difference(found, proven));
+        let mean = squares.sum::<f64>() / places.len() as f64;
+        Ok(Some(mean.sqrt() / scale_of(&pixels, *max_error)))
     }
 
     /// Returns the RMSE of a frame, by pixels of an even grid and as many of each stratum of pixels that may be wrong; `None` where some cannot be proven.
@@ -165,8 +221,7 @@ impl<'a> SampleJudge<'a> {
         // Prove pixels of all strata.
         let count = self.sample(all);
         let stratum_of = strata::strata(&suspicion);
-        let even = subgrid((0.5 * count).sqrt().ceil() as u32, view.size);
-        let even = even.into_iter().map(|[x, y]| y as usize * width + x as usize);
+        let even = self.even(view).into_iter().map(|[x, y]| y as usize * width + x as usize);
         let chosen = strata::sample(&stratum_of, even, (0.5 * count / STRATA as f64).ceil() as usize);
         let places: Vec<[u32; 2]> = chosen.iter().map(|&i| place(i)).collect();
         let Some(Known { squares, scale, error }) = self.compare(frame, view, &places, control)? else {
@@ -189,8 +244,31 @@ impl<'a> SampleJudge<'a> {
     }
 }
 
+/// Returns pixels that are proven to be within the renderer's error; `None` where too many cannot be. Each is proven once.
+fn proven_pixels(
+    prepared: &mut dyn Prepared,
+    proven: &mut HashMap<[u32; 2], [f32; 4]>,
+    (view, places): (&View, &[[u32; 2]]),
+    control: &Control,
+) -> Result<Option<Vec<[f32; 4]>>, RenderError> {
+    let new: Vec<[u32; 2]> = places.iter().copied().filter(|place| !proven.contains_key(place)).collect();
+    if !new.is_empty() {
+        let Some(found) = prepared.pixels(view, &new, control)? else { return Ok(None) };
+        // Those without a bound are drawn as well as can be.
+        if found.counts.unbounded as f64 > MAX_UNBOUNDED * places.len() as f64 {
+            return Ok(None);
+        }
+        proven.extend(new.into_iter().zip(found.rgba));
+    }
+    Ok(Some(places.iter().map(|place| proven[place]).collect()))
+}
+
 /// Returns the mean square by which a pixel of a frame differs from another.
 fn square(frame: &Frame, [x, y]: [u32; 2], other: &[f32; 4]) -> f64 {
-    let found = &frame.pixels()[y as usize * frame.size()[0] as usize + x as usize];
+    difference(&frame.pixels()[y as usize * frame.size()[0] as usize + x as usize], other)
+}
+
+/// Returns the mean square by which pixels differ.
+fn difference(found: &[f32; 4], other: &[f32; 4]) -> f64 {
     mean_square(std::array::from_fn(|c| f64::from(found[c]) - f64::from(other[c])))
 }
