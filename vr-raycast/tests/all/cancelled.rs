@@ -9,8 +9,8 @@ use vr_raycast::RayCaster;
 
 use crate::common::{homogeneous, volume};
 
-/// What a person is promised. A machine without other work takes a tenth to a half of it.
-const SOON: Duration = Duration::from_millis(500);
+/// A person is promised half a second, of which a machine with other work may take its part.
+const SOON: Duration = Duration::from_millis(300);
 
 /// Time that rays have before they are cancelled.
 const AFTER: Duration = Duration::from_millis(200);
