@@ -68,7 +68,7 @@ pub(crate) struct Line {
     pub(crate) samples: u32,
     /// Number of opaque texels.
     pub(crate) opaque: u32,
-    /// A texel, and one behind it up to which all are opaque from there on.
+    /// Begin and end of the opaque texels where the last slice began.
     closed: [u32; 2],
 }
 
@@ -276,7 +276,7 @@ impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
         // Up to here, from where the runs began, all is opaque.
         let mut open = first;
         if K::CLOSES && self.line.opaque > 0 {
-            // Slices begin at about the same texel, behind which most is opaque.
+            // Slices begin at about the same texel, and many links would be followed from there anew.
             let [from, to] = self.line.closed.map(|x| x as usize);
             let known = (from..to).contains(&first);
             open = self.links.next_open(if known { to } else { first });

@@ -1,7 +1,7 @@
 //! Places at which opacity reaches a half, within the samples in which it does.
 //!
-//! Rows only note the sample in which a texel's opacity passes a half: where in it that is takes two logarithms, which are computed for sixteen texels at once when all
-//! slices are through.
+//! Rows only note the sample in which a texel's opacity passes a half. The place within the sample takes two logarithms, which are computed for
+//! sixteen texels at once after the last slice.
 
 use fearless_simd::Simd;
 use vr_kernels::vector::{LANES, Lanes, share_of_half};

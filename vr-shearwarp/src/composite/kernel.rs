@@ -28,7 +28,7 @@ pub(crate) trait Kernel: Sync {
         row: &mut Row<'_>,
     ) -> Added;
 
-    /// Ends a row when all slices are through.
+    /// Completes a row after its last slice, before texels are finished.
     fn end<S: Simd>(&self, _: S, _: &mut Row<'_>) {}
 
     /// Finishes a texel that sees something at a place of its ray, and returns the depth of that.
@@ -98,8 +98,8 @@ impl Chunk {
     }
 }
 
-/// A row of texels while it is worked on: all reds, all greens, all blues, all opacities, all places of what is seen, and what is known of these,
-/// each with room for a vector behind the last.
+/// A row of texels while it is worked on: all reds, all greens, all blues, all opacities, all places of what is seen, and the opacities
+/// that [`super::half`] needs, each with room for a vector behind the last.
 pub(crate) struct Row<'a>([&'a mut [f32]; PLANES]);
 
 /// Components of a texel.
@@ -107,7 +107,7 @@ const PLANES: usize = 7;
 
 /// The component that says where on its ray a texel sees something: the number of a slice, from 1 on, and a fraction of the interval that its
 /// sample stands for; 0 for nowhere yet.
-pub(crate) const PLACE: usize = 4;
+const PLACE: usize = 4;
 
 /// Opacities before the sample in which a texel passes a half, and those of that sample.
 const HALVES: [usize; 2] = [5, 6];

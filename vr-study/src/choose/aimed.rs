@@ -16,7 +16,7 @@ use crate::reference::ReferenceCache;
 const AIM_SHARE: f64 = 0.5;
 /// Number of pictures after which aiming is given up.
 const TRIES: usize = 3;
-/// Number of aims that may be lowered before a picture is drawn, by what its rays miss.
+/// How often an aim may be lowered before a picture is drawn, because single rays miss the target.
 const LOOKS: usize = 2;
 /// Part of a picture's pixels that are compared, of an even grid and of the strata together; in small pictures, where it would be too few, [`MIN_COMPARED`].
 const COMPARED: f64 = 1.0 / 128.0;
@@ -77,7 +77,7 @@ struct Aiming {
     prepare: Duration,
 }
 
-/// Prepares a renderer with an aim, which is lowered first where rays of an even grid of pixels miss the target: that takes far less time than to draw a picture in vain. `None` where the renderer does not
+/// Prepares a renderer with an aim. Rays of an even grid of pixels are traced first, and the aim is lowered where they miss the target: a whole picture in vain would take far longer. `None` where the renderer does not
 /// take the scene.
 fn aiming(
     judge: &mut SampleJudge<'_>,
@@ -119,8 +119,8 @@ const SOLVED: f64 = 0.125;
 
 /// Way to know pixels of a scene.
 enum SampleJudge<'a> {
-    /// By a renderer that proves them to be within an error; those that it has proven already.
-    Bounded { prepared: Box<dyn Prepared>, max_error: f64, proven: HashMap<[u32; 2], [f32; 4]> },
+    /// By a renderer that proves them to be within an error.
+    Bounded { prover: Prover, max_error: f64 },
     /// By the reference.
     Reference { scene: &'a Scene, cache: &'a ReferenceCache },
 }
@@ -141,7 +141,10 @@ impl<'a> SampleJudge<'a> {
         (cache, control): (&'a ReferenceCache, &Control),
     ) -> Result<Self, RenderError> {
         if let Some(first) = preparing(target, bounded, scene, control).next() {
-            return first.map(|(prepared, max_error)| Self::Bounded { prepared, max_error, proven: HashMap::new() });
+            return first.map(|(prepared, max_error)| Self::Bounded {
+                prover: Prover { prepared, proven: HashMap::new(), unbounded: 0 },
+                max_error,
+            });
         }
         Ok(Self::Reference { scene, cache })
     }
@@ -161,10 +164,8 @@ impl<'a> SampleJudge<'a> {
         control: &Control,
     ) -> Result<Option<Known>, RenderError> {
         match self {
-            Self::Bounded { prepared, max_error, proven } => {
-                let Some(pixels) = proven_pixels(&mut **prepared, proven, (view, places), control)? else {
-                    return Ok(None);
-                };
+            Self::Bounded { prover, max_error } => {
+                let Some(pixels) = prover.pixels(view, places, control)? else { return Ok(None) };
                 let squares = places.iter().zip(&pixels).map(|(&place, pixel)| square(frame, place, pixel)).collect();
                 // The whole picture's largest magnitude is at least that of these pixels.
                 Ok(Some(Known { squares, scale: scale_of(&pixels, *max_error), error: *max_error }))
@@ -187,8 +188,8 @@ impl<'a> SampleJudge<'a> {
     /// Returns the RMSE of rays on the even grid; `None` where that is no quick look.
     fn rays(&mut self, drawing: &mut dyn Prepared, view: &View, control: &Control) -> Result<Option<f64>, RenderError> {
         let places = self.even(view);
-        let Self::Bounded { prepared, max_error, proven } = self else { return Ok(None) };
-        let Some(pixels) = proven_pixels(&mut **prepared, proven, (view, &places), control)? else { return Ok(None) };
+        let Self::Bounded { prover, max_error } = self else { return Ok(None) };
+        let Some(pixels) = prover.pixels(view, &places, control)? else { return Ok(None) };
         let Some(drawn) = drawing.pixels(view, &places, control)? else { return Ok(None) };
         let squares = drawn.rgba.iter().zip(&pixels).map(|(found, proven)| difference(found, proven));
         let mean = squares.sum::<f64>() / places.len() as f64;
@@ -244,23 +245,33 @@ impl<'a> SampleJudge<'a> {
     }
 }
 
-/// Returns pixels that are proven to be within the renderer's error; `None` where too many cannot be. Each is proven once.
-fn proven_pixels(
-    prepared: &mut dyn Prepared,
-    proven: &mut HashMap<[u32; 2], [f32; 4]>,
-    (view, places): (&View, &[[u32; 2]]),
-    control: &Control,
-) -> Result<Option<Vec<[f32; 4]>>, RenderError> {
-    let new: Vec<[u32; 2]> = places.iter().copied().filter(|place| !proven.contains_key(place)).collect();
-    if !new.is_empty() {
-        let Some(found) = prepared.pixels(view, &new, control)? else { return Ok(None) };
-        // Those without a bound are drawn as well as can be.
-        if found.counts.unbounded as f64 > MAX_UNBOUNDED * places.len() as f64 {
+/// A renderer that proves pixels of one view, each once.
+struct Prover {
+    prepared: Box<dyn Prepared>,
+    proven: HashMap<[u32; 2], [f32; 4]>,
+    /// How many of these have no bound, and are drawn as well as can be.
+    unbounded: u64,
+}
+
+impl Prover {
+    /// Returns pixels within the renderer's error; `None` where it has no bound for too many of those asked for so far.
+    fn pixels(
+        &mut self,
+        view: &View,
+        places: &[[u32; 2]],
+        control: &Control,
+    ) -> Result<Option<Vec<[f32; 4]>>, RenderError> {
+        let new: Vec<[u32; 2]> = places.iter().copied().filter(|place| !self.proven.contains_key(place)).collect();
+        if !new.is_empty() {
+            let Some(found) = self.prepared.pixels(view, &new, control)? else { return Ok(None) };
+            self.unbounded += found.counts.unbounded;
+            self.proven.extend(new.into_iter().zip(found.rgba));
+        }
+        if self.unbounded as f64 > MAX_UNBOUNDED * self.proven.len() as f64 {
             return Ok(None);
         }
-        proven.extend(new.into_iter().zip(found.rgba));
+        Ok(Some(places.iter().map(|place| self.proven[place]).collect()))
     }
-    Ok(Some(places.iter().map(|place| proven[place]).collect()))
 }
 
 /// Returns the mean square by which a pixel of a frame differs from another.
