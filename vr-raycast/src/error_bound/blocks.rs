@@ -31,15 +31,8 @@ pub(super) enum State {
 impl Blocks {
     pub(super) fn new(volume: &GridVolume, optics: &Optics) -> Self {
         let blocks = RangeBlocks::of_volume(volume, EDGE);
-        let is_clear = |b: &vr_kernels::ranges::BlockRange| {
-            if b.low == b.high {
-                let (rate, source) = optics.exactly(b.low.into());
-                return rate == 0.0 && (!optics.emits || source == [0.0; 3]);
-            }
-            optics.is_clear(widened(b.low, -1.0, optics), widened(b.high, 1.0, optics))
-        };
         let state = |b: &vr_kernels::ranges::BlockRange| {
-            if b.is_empty() || is_clear(b) {
+            if b.is_empty() || is_clear(optics, b.low.into(), b.high.into()) {
                 State::Clear
             } else if b.vacuum {
                 State::Holed
@@ -52,11 +45,6 @@ impl Blocks {
             ranges: blocks.ranges().iter().map(|b| [b.low, b.high]).collect(),
             states: blocks.ranges().iter().map(state).collect(),
         }
-    }
-
-    /// Returns the number of blocks along x, y, z.
-    pub(super) fn counts(&self) -> [usize; 3] {
-        self.counts
     }
 
     pub(super) fn index(&self, block: [usize; 3]) -> usize {
@@ -75,11 +63,15 @@ impl Blocks {
     /// Extremes of the medium in a block that is filled.
     pub(super) fn extremes(&self, index: usize, optics: &Optics) -> Extremes {
         let [low, high] = self.ranges[index];
-        optics.extremes(widened(low, -1.0, optics), widened(high, 1.0, optics))
+        optics.extremes(f64::from(low) - optics.knot_error, f64::from(high) + optics.knot_error)
     }
 }
 
-/// Returns a bound with room for the error of the knots' places.
-fn widened(bound: f32, sign: f64, optics: &Optics) -> f64 {
-    f64::from(bound) + sign * optics.knot_error
+/// True if nothing can be seen of stored numbers from `low` to `high`, ends included.
+pub(super) fn is_clear(optics: &Optics, low: f64, high: f64) -> bool {
+    if low == high {
+        let (rate, source) = optics.exactly(low);
+        return rate == 0.0 && (!optics.emits || source == [0.0; 3]);
+    }
+    optics.is_clear(low - optics.knot_error, high + optics.knot_error)
 }

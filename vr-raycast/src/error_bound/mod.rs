@@ -152,7 +152,7 @@ impl ErrorBound {
                 let in_packets = level >= 1.0 && matches!(sought, Sought::Light) && modulation.is_none();
                 let packets = vectors.filter(|_| in_packets).and_then(|level| {
                     let reflected = reflection.as_ref().zip(gradients.as_ref());
-                    BoundedPackets::new(level, volume, &optics, &blocks, reflected)
+                    BoundedPackets::new(level, volume, &optics, reflected)
                 });
                 Body::Grid(Box::new(Grid { volume: Arc::clone(volume), blocks, packets }))
             }

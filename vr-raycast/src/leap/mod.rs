@@ -19,12 +19,14 @@
 
 mod beam;
 mod chessboard;
+mod clear_space;
 mod empty_space;
 mod exact_cloud;
 mod visible_blocks;
 
 pub(crate) use beam::{Region, Regions, next_interval};
 pub(crate) use chessboard::chessboard_distances;
+pub(crate) use clear_space::ClearSpace;
 pub(crate) use empty_space::{empty_space, visibility};
 pub(crate) use exact_cloud::ExactCloud;
 pub(crate) use visible_blocks::{BlockGrid, VisibleBlocks};

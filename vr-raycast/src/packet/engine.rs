@@ -9,14 +9,12 @@ use vr_core::image_order::ImageSample;
 use vr_core::{
     ColorGrid, Counts, Filter, GradientMethod, GridVolume, Layer, MaxRadiance, ParameterError, Rays, Scene, View,
 };
-use vr_kernels::ranges::LevelRanges;
-use vr_kernels::ranges::RangeBlocks;
+use vr_kernels::ranges::{BlockRange, LevelRanges, RangeBlocks};
 use vr_kernels::tables::BakedTransfer;
 use vr_kernels::vector::{self, Field, OpticsTable, PacketShading, Rows, SegmentTable};
 
 use super::course::Course;
 use super::fields::{FilteredField, PacketField, can_sample};
-use super::leap::Distances;
 use super::level;
 use super::local::{LocalSteps, by_byte};
 use super::march::{LatticeSteps, MarchSteps, Medium};
@@ -30,7 +28,7 @@ use super::trace::{Trace, TraceFrame};
 use crate::caster::{EmptySpace, RayCaster, Rule, Step, TransferLookup, Traversal};
 #[cfg(feature = "classics")]
 use crate::classics::Homogeneity;
-use crate::leap::{Visibility, VisibleBlocks};
+use crate::leap::{ClearSpace, Visibility, VisibleBlocks};
 use crate::near_depths::NearDepths;
 use crate::render_tables::RenderTables;
 use crate::rule::Shape;
@@ -68,8 +66,8 @@ pub(crate) struct PacketEngine {
 /// Lengths of the steps of the packets' rays.
 #[derive(Clone, Debug)]
 pub(crate) enum PacketLengths {
-    /// One length. With the distances to the nearest visible blocks; `None` if nothing is leaped over.
-    Lattice(Option<Arc<Distances>>),
+    /// One length. With the space that is leaped over, if there is any.
+    Lattice(Option<Arc<ClearSpace>>),
     /// The length that each place asks for.
     Local {
         map: Arc<StepMap>,
@@ -104,7 +102,7 @@ impl PacketLengths {
     /// Returns the blocks in which something may be visible.
     fn visible(&self, dims: [usize; 3]) -> VisibleBlocks {
         match self {
-            Self::Lattice(Some(distances)) => distances.visible(dims),
+            Self::Lattice(Some(clear)) => clear.visible_blocks(dims),
             Self::Lattice(None) => VisibleBlocks::from_fn(dims, 2 * EDGE, |_| true),
             Self::Local { map, .. } => map.visible(dims),
             #[cfg(feature = "classics")]
@@ -112,9 +110,9 @@ impl PacketLengths {
         }
     }
 
-    /// Returns the distances to the nearest visible blocks, where steps of one length leap over others.
-    fn distances(&self) -> Option<&Distances> {
-        if let Self::Lattice(distances) = self { distances.as_deref() } else { None }
+    /// Returns the space that steps of one length leap over.
+    fn clear(&self) -> Option<&ClearSpace> {
+        if let Self::Lattice(clear) = self { clear.as_deref() } else { None }
     }
 
     /// Returns the steps that follow the data as packets take them, where `unit` is the world length of the smallest voxel edge; `None` if all have one length.
@@ -185,7 +183,7 @@ impl PacketEngine {
                 let baked = integrated.is_none().then_some(&table);
                 let visibility = || Visibility::of_light(&scene.transfer, volume.calibration(), baked, integrated);
                 PacketLengths::Lattice(
-                    leaps.then(|| Self::distances(volume, &visibility(), EDGE)).flatten().map(Arc::new),
+                    leaps.then(|| Self::clear_space(volume, &visibility(), EDGE)).flatten().map(Arc::new),
                 )
             }
             // Local steps by the rule left are the plain engine's.
@@ -225,13 +223,13 @@ impl PacketEngine {
     }
 
     /// Returns the engine that draws the same scene in steps of one length, in smallest voxel edges, with one sample each; `None` where no table serves
-    /// such steps. `distances` are those to the nearest visible blocks.
-    pub(crate) fn in_even_steps(&self, scene: &Scene, distances: Option<Arc<Distances>>, voxels: f64) -> Option<Self> {
+    /// such steps. `clear` is the space that they leap over.
+    pub(crate) fn in_even_steps(&self, scene: &Scene, clear: Option<Arc<ClearSpace>>, voxels: f64) -> Option<Self> {
         let volume = &self.volume;
         let step = voxels * volume.placement().spacing().min_element();
         let table = baked(scene, volume, step)?;
         Some(Self {
-            lengths: PacketLengths::Lattice(distances),
+            lengths: PacketLengths::Lattice(clear),
             optics: OpticsTable::new(&table, &scene.transfer, volume.calibration(), step),
             light: StepLight::Sample(Arc::new(table)),
             step,
@@ -240,14 +238,16 @@ impl PacketEngine {
         })
     }
 
-    /// Returns the distances to the nearest visible blocks of `edge`³ cells; `None` where all are visible.
-    pub(crate) fn distances(volume: &GridVolume, visibility: &Visibility<f32>, edge: usize) -> Option<Distances> {
-        // A level is a voxel's number, and other filters than these make numbers between and beyond the voxels'.
-        let is_of_voxels = matches!(volume.filter(), Filter::Nearest | Filter::Trilinear);
-        if edge == LevelRanges::EDGE && is_of_voxels && LevelRanges::are_exact(volume) {
-            return Distances::of_levels(&LevelRanges::of_volume(volume), visibility);
-        }
-        Distances::new(&RangeBlocks::of_volume(volume, edge), visibility)
+    /// Finds the clear space of a volume in blocks of `edge`³ cells, a power of two; `None` where there is none.
+    pub(crate) fn clear_space(volume: &GridVolume, visibility: &Visibility<f32>, edge: usize) -> Option<ClearSpace> {
+        let space = if edge == EDGE && ClearSpace::knows_cells(volume) {
+            let range = |from: f64, to: f64| BlockRange::of_trilinear([from as f32, to as f32]);
+            ClearSpace::of_cells(volume, |from, to| visibility.shows_block(&range(from, to)))
+        } else {
+            let ranges = RangeBlocks::of_volume(volume, edge);
+            ClearSpace::of_blocks(edge, ranges.blocks(), |block| !visibility.shows_block(&ranges.ranges()[block]))
+        };
+        space.has_any().then_some(space)
     }
 }
 
@@ -334,15 +334,15 @@ impl PacketFrame<'_> {
             dims: self.volume.dims(),
             steps: match (&engine.light, engine.lengths.local_steps(engine.step)) {
                 (StepLight::Sample(table), None) => {
-                    MarchSteps::Lattice(LatticeSteps { rows: Rows::new(table), distances: engine.lengths.distances() })
+                    MarchSteps::Lattice(LatticeSteps { rows: Rows::new(table), clear: engine.lengths.clear() })
                 }
                 (StepLight::Sample(_), Some(steps)) => MarchSteps::Local(steps),
                 (StepLight::Course { table, is_parabola }, steps) => {
                     let (is_parabola, unit) = (*is_parabola, engine.step as f32);
                     // No sample is missing where steps end at the faces of holes.
                     let has_holes = steps.is_none() && self.volume.vacuum_cells().is_some();
-                    let lengths = steps
-                        .map_or_else(|| SegmentLengths::Lattice(engine.lengths.distances()), SegmentLengths::Local);
+                    let lengths =
+                        steps.map_or_else(|| SegmentLengths::Lattice(engine.lengths.clear()), SegmentLengths::Local);
                     MarchSteps::Segments(SegmentSteps {
                         course: Course { table, is_parabola, has_holes, unit },
                         lengths,

@@ -1,86 +1,28 @@
 //! Leaps of rays over blocks in which nothing can be seen.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16};
-use rayon::prelude::*;
-use vr_kernels::ranges::{BlockRange, LevelRanges, RangeBlocks};
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use vr_kernels::vector::{Cells, LANES, pick, splat};
 
 use super::setup::Packet;
-use crate::leap::{Visibility, VisibleBlocks, chessboard_distances};
-use crate::step_map::{CLEAR, StepMap};
+use crate::leap::ClearSpace;
 
-/// Chessboard distance of each block, in blocks, to the nearest one in which something is visible: 0 in that one.
-///
-/// All blocks nearer than that are invisible, so a ray in the middle of them moves on freely: a proximity cloud (Cohen & Sheffer
-/// 1994, "Proximity clouds, an acceleration technique for 3D grid traversal").
-#[derive(Clone, Debug)]
-pub(crate) struct Distances {
-    pub(crate) shift: u32,
-    blocks: [usize; 3],
-    distance: Vec<u8>,
-}
-
-impl Distances {
-    /// Finds the distances for the blocks of a volume; `None` where none is invisible, so that there is nothing to leap over.
-    ///
-    /// # Panics
-    /// Panics if the blocks' edge is not a power of two.
-    pub(crate) fn new(ranges: &RangeBlocks, visibility: &Visibility<f32>) -> Option<Self> {
-        let of = |range: &BlockRange| if visibility.shows_block(range) { 0 } else { u8::MAX };
-        let distance = ranges.ranges().par_iter().with_min_len(1 << 12).map(of).collect();
-        Self::spread(ranges.edge(), ranges.blocks(), distance)
-    }
-
-    /// Finds the distances from ranges in bytes, which must be exact: each possible range is tested once, for a table.
-    pub(crate) fn of_levels(levels: &LevelRanges, visibility: &Visibility<f32>) -> Option<Self> {
-        const N: usize = LevelRanges::LAST as usize + 1;
-        let mut table = vec![u8::MAX; N * N];
-        for low in 0..=LevelRanges::LAST {
-            for high in low..=LevelRanges::LAST {
-                let bounds = levels.bounds([low, high]);
-                if visibility.shows(bounds.0, bounds.1) {
-                    table[usize::from(low) * N + usize::from(high)] = 0;
-                }
-            }
-        }
-        let of = |&[low, high]: &[u8; 2]| table[usize::from(low) * N + usize::from(high)];
-        let distance = levels.ranges().par_iter().with_min_len(1 << 12).map(of).collect();
-        Self::spread(LevelRanges::EDGE, levels.blocks(), distance)
-    }
-
-    /// Takes the distances from a map of steps, which knows them.
-    pub(crate) fn of_steps(map: &StepMap) -> Option<Self> {
-        let of = |&byte: &u8| if byte < CLEAR { 0 } else { byte - CLEAR + 1 };
-        let distance: Vec<u8> = map.bytes().iter().map(of).collect();
-        let leaps = distance.iter().any(|&d| d > 0);
-        leaps.then(|| Self { shift: StepMap::EDGE.trailing_zeros(), blocks: map.blocks(), distance })
-    }
-
-    /// Makes the distances of blocks that are 0 where something is visible, and 255 elsewhere.
-    fn spread(edge: usize, blocks: [usize; 3], mut distance: Vec<u8>) -> Option<Self> {
-        assert!(edge.is_power_of_two(), "blocks are found by shifting");
-        if distance.iter().all(|&d| d == 0) {
-            return None;
-        }
-        chessboard_distances(blocks, &mut distance);
-        Some(Self { shift: edge.trailing_zeros(), blocks, distance })
-    }
-
-    /// Returns the visible blocks, of twice the edge, of a volume with the given voxels along x, y, z.
-    pub(crate) fn visible(&self, dims: [usize; 3]) -> VisibleBlocks {
-        VisibleBlocks::of_halves(dims, 1 << self.shift, &self.distance, 1)
-    }
-
-    /// Returns the distances of the blocks of sixteen cells.
+impl ClearSpace {
+    /// Returns the codes of the blocks of sixteen cells; [`Self::CLEAR_CELL`] for clear cells of blocks with visible ones, and 0 for the visible cells of these.
     #[inline(always)]
     pub(crate) fn at<S: Simd>(&self, simd: S, cells: &Cells<S>) -> i32x16<S> {
-        let index = block_index(cells, self.shift, self.blocks);
-        let mut distance = [0i32; LANES];
+        let (blocks, masks) = self.codes();
+        let [x, y, z] = cells.cell;
+        let index = block_index(cells, self.shift(), self.blocks());
+        let bit = (((z & 3) << 4) | ((y & 3) << 2) | (x & 3)).to_array();
+        let mut codes = [0; LANES];
         for i in 0..LANES {
-            distance[i] = i32::from(*self.distance.get(index[i] as u32 as usize).unwrap_or(&0));
+            let index = index[i] as u32 as usize;
+            if index < blocks.len() {
+                codes[i] = i32::from(blocks[index]) + (masks[index] >> bit[i] & 1) as i32 * Self::CLEAR_CELL;
+            }
         }
-        i32x16::load_array(simd, distance)
+        i32x16::load_array(simd, codes)
     }
 }
 
@@ -105,6 +47,8 @@ pub(crate) struct Leaper<S: Simd> {
     face: [f32x16<S>; 3],
     /// Margin kept from the face, since positions are rounded.
     margin: f32,
+    /// Smallest number of steps that take any ray of the packet through a block along an axis.
+    steps_per_block: f32,
 }
 
 /// Margin as a fraction of the largest index: eight times the error of positions along a ray in f32.
@@ -127,19 +71,21 @@ impl<S: Simd> Leaper<S> {
         }
         let largest = dims.into_iter().max().unwrap_or(0) as f32;
         let edge = (1u32 << shift) as f32;
-        Self { shift, edge, per_index, sign, face, margin: largest * MARGIN }
+        let fastest = delta[0].abs().max(delta[1].abs()).max(delta[2].abs()).to_array();
+        let steps_per_block = edge / fastest.into_iter().fold(f32::MIN_POSITIVE, f32::max);
+        Self { shift, edge, per_index, sign, face, margin: largest * MARGIN, steps_per_block }
     }
 
-    /// Prepares a packet for leaps by distances, if there are any.
+    /// Prepares a packet for leaps over clear space, if there is any.
     #[inline(always)]
     pub(crate) fn over<'a>(
         simd: S,
-        distances: Option<&'a Distances>,
+        space: Option<&'a ClearSpace>,
         packet: &Packet,
         dims: [usize; 3],
-    ) -> Option<(&'a Distances, Self)> {
-        let distances = distances?;
-        Some((distances, Self::new(simd, distances.shift, packet, dims)))
+    ) -> Option<(&'a ClearSpace, Self)> {
+        let space = space?;
+        Some((space, Self::new(simd, space.shift(), packet, dims)))
     }
 
     /// Returns the steps from a position to the point where it leaves the box of blocks nearer than `distance` to its own.
@@ -203,15 +149,32 @@ impl<S: Simd> Leaper<S> {
         (cell + self.face[a] + self.sign[a] - position[a]) * self.per_index[a]
     }
 
-    /// Returns the number of whole steps, at least one, to the first that can be beyond that box.
+    /// Returns the number of whole steps, at least one, to the first that can be beyond the box of blocks nearer than a distance, or beyond the cell where that is
+    /// [`ClearSpace::CLEAR_CELL`].
     #[inline(always)]
     pub(crate) fn steps(&self, simd: S, position: [f32x16<S>; 3], cells: &Cells<S>, distance: i32x16<S>) -> f32x16<S> {
-        let kept = [
-            position[0] + self.sign[0] * self.margin,
-            position[1] + self.sign[1] * self.margin,
-            position[2] + self.sign[2] * self.margin,
-        ];
-        let whole: f32x16<S> = self.exit(simd, kept, cells, distance.to_float()).to_int::<i32x16<S>>().to_float();
+        let (one, edge) = (splat(simd, 1.0), splat(simd, self.edge));
+        let is_cell = distance.simd_lt(0);
+        let reach = pick(is_cell, one, distance.to_float::<f32x16<S>>() * edge);
+        let edge = pick(is_cell, one, edge);
+        let corner_bits = is_cell.select(i32x16::splat(simd, -1), i32x16::splat(simd, -(1 << self.shift)));
+        let mut steps = splat(simd, 1e6);
+        for a in 0..3 {
+            let corner: f32x16<S> = (cells.cell[a] & corner_bits).to_float();
+            let face = corner + self.face[a] * edge + self.sign[a] * reach;
+            let kept = position[a] + self.sign[a] * self.margin;
+            steps = steps.min((face - kept) * self.per_index[a]);
+        }
+        let whole: f32x16<S> = steps.max(splat(simd, 0.0)).to_int::<i32x16<S>>().to_float();
         whole + 1.0
+    }
+
+    /// Returns a number of steps after which all `live` rays are in visible blocks still, if codes put them there.
+    #[inline(always)]
+    pub(crate) fn visible_steps(&self, simd: S, live: mask32x16<S>, codes: i32x16<S>) -> u32 {
+        let clear = i32x16::splat(simd, ClearSpace::VISIBLE_BLOCK - i32::from(i8::MAX));
+        let nearest = live.select(codes, clear).to_array().into_iter().fold(i32::MIN, i32::max);
+        // Of the blocks nearer than the distance, the ray may have left its own already. The cast makes 0 of what is negative.
+        ((ClearSpace::VISIBLE_BLOCK - nearest - 1) as f32 * self.steps_per_block) as u32
     }
 }

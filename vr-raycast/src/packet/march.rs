@@ -10,11 +10,12 @@ use vr_kernels::vector::{
 
 use super::fields::PacketField;
 use super::gaps::{outside_holes, there};
-use super::leap::{Distances, Leaper};
+use super::leap::Leaper;
 use super::listed::{ListedSteps, listed};
 use super::local::{LocalSteps, local};
 use super::segments::{SegmentSteps, segments};
 use super::setup::Packet;
+use crate::leap::ClearSpace;
 
 /// Volume that all packets of a frame march through.
 #[derive(Clone, Copy)]
@@ -54,8 +55,8 @@ pub(crate) enum MarchSteps<'a> {
 pub(crate) struct LatticeSteps<'a> {
     /// Table for whole steps.
     pub(crate) rows: Rows<'a>,
-    /// Distances to the nearest visible blocks; `None` if nothing is leaped over.
-    pub(crate) distances: Option<&'a Distances>,
+    /// Space that is leaped over, if there is any.
+    pub(crate) clear: Option<&'a ClearSpace>,
 }
 
 /// Results of a packet's rays.
@@ -105,7 +106,7 @@ pub(crate) fn march<S: Simd, T: PacketField>(
     }
 }
 
-/// Number of pairs of steps between two looks for invisible blocks: a look costs a third of a sample.
+/// Number of pairs of steps between two looks for clear space: a look costs a third of a sample.
 const STRIDE: u32 = 2;
 
 /// Steps of one length.
@@ -113,7 +114,7 @@ const STRIDE: u32 = 2;
 fn lattice<S: Simd, T: PacketField>(
     simd: S,
     medium: &Medium<'_, T>,
-    LatticeSteps { rows, distances }: LatticeSteps<'_>,
+    LatticeSteps { rows, clear }: LatticeSteps<'_>,
     packet: &Packet,
     max_light: &Lanes,
     lights: &PacketLights,
@@ -125,7 +126,7 @@ fn lattice<S: Simd, T: PacketField>(
     let max_light = max_light.load(simd);
     let mut at = packet.first.load(simd);
     let mut end = packet.end.load(simd);
-    let leaper = Leaper::over(simd, distances, packet, medium.dims);
+    let leaper = Leaper::over(simd, clear, packet, medium.dims);
     let mut sums = Sums::new(simd);
     let mut samples = 0;
     let mut until_look = 0;
@@ -134,15 +135,16 @@ fn lattice<S: Simd, T: PacketField>(
     loop {
         // A ray that has gone past its last whole step waits for the others.
         let mut live = if ending { end.simd_gt(never) } else { at.simd_lt(end) };
-        // Move rays in clear blocks on, until at least half of those that go on are in visible ones. Last steps in clear blocks are left out.
-        if let Some((distances, leaper)) = &leaper {
+        // Move rays in clear space on, until at least half of those that go on are in visible cells. Last steps in clear space are left out.
+        if let Some((clear, leaper)) = &leaper {
             if until_look == 0 {
                 until_look = STRIDE;
                 loop {
                     let (position, cells) = ray.cells(simd, at);
-                    let distance = distances.at(simd, &cells);
-                    let invisible = live & distance.simd_gt(0);
+                    let code = clear.at(simd, &cells);
+                    let invisible = live & (code.simd_gt(0) | code.simd_eq(ClearSpace::CLEAR_CELL));
                     if invisible.all_false() {
+                        until_look += leaper.visible_steps(simd, live, code) / 2;
                         break;
                     }
                     let visible = live & !invisible;
@@ -150,9 +152,9 @@ fn lattice<S: Simd, T: PacketField>(
                         live = visible;
                         break;
                     }
-                    at = pick(invisible, at + leaper.steps(simd, position, &cells, distance), at);
+                    at = pick(invisible, at + leaper.steps(simd, position, &cells, code), at);
                     live = at.simd_lt(end);
-                    // Rays whose blocks have been seen to be visible outnumber those that have come to unknown ones.
+                    // Rays whose cells have been seen to be visible outnumber those that have come to unknown ones.
                     let (known, all) = (visible.to_bitmask().count_ones(), live.to_bitmask().count_ones());
                     if known * 2 >= all {
                         break;

@@ -7,10 +7,11 @@ use vr_kernels::vector::{Cells, Lanes, PacketLights, Shade, Sums, pick, splat};
 use super::course::{Course, TwoLights};
 use super::fields::PacketField;
 use super::gaps::{outside_holes, there};
-use super::leap::{Distances, Leaper};
+use super::leap::Leaper;
 use super::local::{LocalSteps, REST};
 use super::march::{Medium, PacketResult, Path, finish, in_lanes, shaded};
 use super::setup::Packet;
+use crate::leap::ClearSpace;
 use crate::step_map::StepMap;
 
 /// Steps along which the value is a straight line or a parabola.
@@ -23,13 +24,13 @@ pub(crate) struct SegmentSteps<'a> {
 /// Lengths of such steps.
 #[derive(Clone, Copy)]
 pub(crate) enum SegmentLengths<'a> {
-    /// One length. With the distances to the nearest visible blocks; `None` if nothing is leaped over.
-    Lattice(Option<&'a Distances>),
+    /// One length. With the space that is leaped over, if there is any.
+    Lattice(Option<&'a ClearSpace>),
     /// The length that each place asks for.
     Local(LocalSteps<'a>),
 }
 
-/// Number of rounds between two looks for invisible blocks, as in steps that one sample stands for.
+/// Number of rounds between two looks for clear space, as in steps that one sample stands for.
 const STRIDE: u32 = 2;
 
 /// Takes the packet's rays to their ends: two lines a round, or one parabola. The sample at the end of a step is the one at the begin of the next;
@@ -120,7 +121,7 @@ pub(crate) fn segments<S: Simd, T: PacketField>(
 /// Walk of a packet's rays from step to step.
 enum Walker<'a, S: Simd> {
     Lattice {
-        leaper: Option<(&'a Distances, Leaper<S>)>,
+        leaper: Option<(&'a ClearSpace, Leaper<S>)>,
         /// Length of the last step of each ray, as a fraction of a whole one.
         last: f32x16<S>,
         until_look: u32,
@@ -132,8 +133,8 @@ impl<'a, S: Simd> Walker<'a, S> {
     #[inline(always)]
     fn new<T>(simd: S, medium: &Medium<'_, T>, lengths: SegmentLengths<'a>, packet: &Packet) -> Self {
         match lengths {
-            SegmentLengths::Lattice(distances) => Self::Lattice {
-                leaper: Leaper::over(simd, distances, packet, medium.dims),
+            SegmentLengths::Lattice(clear) => Self::Lattice {
+                leaper: Leaper::over(simd, clear, packet, medium.dims),
                 last: packet.ratio.load(simd),
                 until_look: 0,
             },
@@ -152,7 +153,7 @@ impl<'a, S: Simd> Walker<'a, S> {
         }
     }
 
-    /// Leaps over clear blocks, until at least half of the rays that go on have a step to take. Returns those, and the lengths of the steps.
+    /// Leaps over clear space, until at least half of the rays that go on have a step to take. Returns those, and the lengths of the steps.
     #[inline(always)]
     fn next(&mut self, simd: S, ray: &Path<S>, at: &mut f32x16<S>, end: f32x16<S>) -> (mask32x16<S>, f32x16<S>) {
         match self {
@@ -225,21 +226,21 @@ struct Stretch<S: Simd> {
     live: mask32x16<S>,
 }
 
-/// Returns the number of whole steps from a position on in which nothing is visible: 0 in a visible block.
+/// Returns the number of whole steps from a position on in which nothing is visible: 0 in a visible cell.
 ///
-/// A step must end in the box of clear blocks, not only begin there. All that the field goes through in the box is clear, and so is what lies between the
+/// A step must end in the clear cell or box of blocks, not only begin there. All that the field goes through in it is clear, and so is what lies between the
 /// values at the ends of such a step.
 #[inline(always)]
 fn clear_steps<S: Simd>(
     simd: S,
     ray: &Path<S>,
-    (distances, leaper): &(&Distances, Leaper<S>),
+    (clear, leaper): &(&ClearSpace, Leaper<S>),
     at: f32x16<S>,
 ) -> f32x16<S> {
     let (position, cells) = ray.cells(simd, at);
-    let distance = distances.at(simd, &cells);
-    let steps = leaper.steps(simd, position, &cells, distance) - 1.0;
-    pick(distance.simd_gt(0), steps, splat(simd, 0.0))
+    let code = clear.at(simd, &cells);
+    let steps = leaper.steps(simd, position, &cells, code) - 1.0;
+    pick(code.simd_gt(0) | code.simd_eq(ClearSpace::CLEAR_CELL), steps, splat(simd, 0.0))
 }
 
 /// Returns the light of a parabola, or of two lines, after shading by the gradients in the middles of the steps.

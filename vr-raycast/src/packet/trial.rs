@@ -7,9 +7,9 @@ use vr_core::image_order::ImageSample;
 use vr_core::{Control, Counts, Layer, RenderError, Scene, View};
 
 use super::engine::{PacketEngine, PacketFrame, PacketLengths};
-use super::leap::Distances;
 use crate::caster::Rule;
-use crate::step_map::{CLEAR, Cuts, SHORTEST};
+use crate::leap::{ClearSpace, Visibility};
+use crate::step_map::{CLEAR, Cuts, SHORTEST, StepMap};
 use crate::tracer::{RaySample, Tracer};
 
 /// Choice of steps and rays for pictures of a scene whose steps were left to the caster.
@@ -30,7 +30,7 @@ pub(crate) struct Trial {
     is_sharp: bool,
     /// Class of the shortest step that local steps take anywhere.
     shortest: i32,
-    distances: Option<Arc<Distances>>,
+    clear: Option<Arc<ClearSpace>>,
     /// The last engines that have been asked for, by the class of their steps; `None` where no table serves these.
     engines: Vec<(i32, Option<Arc<PacketEngine>>)>,
 }
@@ -107,7 +107,8 @@ impl Trial {
         if count / steps > voxels(shortest + LONGEST[case]) * SAMPLES[case] * LOCAL_COSTS[case] {
             return None;
         }
-        Some(Self { error, is_sharp, shortest, distances: Distances::of_steps(map).map(Arc::new), engines: Vec::new() })
+        let clear = clear_space(local, scene, map).map(Arc::new);
+        Some(Self { error, is_sharp, shortest, clear, engines: Vec::new() })
     }
 
     /// Returns the choice for a view, where adaptive rays would be `spacing` pixels apart at first, and have a threshold; `None` where too little shows. It depends on
@@ -158,10 +159,21 @@ impl Trial {
         if self.engines.len() == MAX_KEPT {
             self.engines.remove(0);
         }
-        let engine = local.in_even_steps(scene, self.distances.clone(), voxels(class)).map(Arc::new);
+        let engine = local.in_even_steps(scene, self.clear.clone(), voxels(class)).map(Arc::new);
         self.engines.push((class, engine.clone()));
         engine
     }
+}
+
+/// Finds the clear space of an engine with a map of steps, which knows clear blocks whatever the filter.
+fn clear_space(local: &PacketEngine, scene: &Scene, map: &StepMap) -> Option<ClearSpace> {
+    let volume = &local.volume;
+    if ClearSpace::knows_cells(volume) {
+        let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), None, None);
+        return PacketEngine::clear_space(volume, &visibility, StepMap::EDGE);
+    }
+    let space = ClearSpace::of_blocks(StepMap::EDGE, map.blocks(), |block| map.bytes()[block] >= CLEAR);
+    space.has_any().then_some(space)
 }
 
 /// Returns groups of rays through pixels that are `spacing` apart, row by row. One group lies in each of equal parts of the view, at places that do not repeat (the additive

@@ -43,8 +43,9 @@ impl<S: Simd> Way<S> {
             cubic: (delta[0] * delta[1] * delta[2]).abs() * 0.0482,
             // Fractions of a cell are rounded: at most this changes the value.
             unsure: splat(simd, medium.span * MISPLACED + medium.noise + medium.costs.misplaced),
-            // Behind its face a step follows the field of its own cell, over less than two margins. The two fields differ there by their slopes.
-            beyond: margin * margin * (8.0 * medium.span),
+            // Behind its face a step follows the field of its own cell, over less than two margins; and before the face that it leaped to, over less than four. The two
+            // fields differ there by their slopes.
+            beyond: margin * margin * (40.0 * medium.span),
         }
     }
 }
@@ -54,10 +55,9 @@ pub(super) struct Entry<S: Simd> {
     at: f32x16<S>,
     pub(super) to: f32x16<S>,
     /// Place from which the cell was found, with its numbers and the place in it.
-    begin: f32x16<S>,
+    within: f32x16<S>,
     cell: [f32x16<S>; 3],
     fraction: [f32x16<S>; 3],
-    fresh: mask32x16<S>,
 }
 
 /// Step through the cell that lies ahead, or a part of it.
@@ -71,40 +71,39 @@ pub(super) struct Ahead<S: Simd> {
 }
 
 impl<S: Simd> Entry<S> {
-    /// Finds the cells at places `at`, and fetches their samples. Rays go to the end of their cells, but not beyond a limit. One that is `fresh` stays where it is, to learn the value there first;
-    /// one that is not active stays, too.
+    /// Finds the cells at places `within`, which are a few margins behind `at` at most, and fetches their samples. Rays go to the end of their cells, but not beyond a
+    /// limit; one that is not active stays where it is.
     #[inline(always)]
     pub(super) fn new<T: Pairs>(
         simd: S,
         medium: &Medium<'_, T>,
         way: &Way<S>,
-        [at, limit]: [f32x16<S>; 2],
-        [active, fresh]: [mask32x16<S>; 2],
+        [at, within, limit]: [f32x16<S>; 3],
+        active: mask32x16<S>,
         stage: &mut Stage<T>,
     ) -> Self {
-        let begin = at + way.margin;
-        let (cell, cells) = way.path.cells(simd, begin);
+        let (cell, cells) = way.path.cells(simd, within);
         medium.field.fetch(simd, &cells, stage);
-        let to = (begin + (way.exits.of_cell(simd, &cells.fraction) + way.margin)).min(limit);
-        let to = pick(active & !fresh, to, at);
-        Self { at, to, begin, cell, fraction: cells.fraction, fresh }
+        let to = (within + (way.exits.of_cell(simd, &cells.fraction) + way.margin)).min(limit);
+        let to = pick(active, to, at);
+        Self { at, to, within, cell, fraction: cells.fraction }
     }
 
-    /// Takes the step, where the last cell gave a value at its begin.
+    /// Takes the step, where the last cell gave a value at its begin; to `fresh` rays none did.
     #[inline(always)]
     pub(super) fn step<T: Pairs>(
         self,
         simd: S,
         medium: &Medium<'_, T>,
         way: &Way<S>,
-        value: f32x16<S>,
+        (value, fresh): (f32x16<S>, mask32x16<S>),
         stage: &Stage<T>,
     ) -> Ahead<S> {
-        let Self { at, to, begin, cell, fraction: [x, y, z], fresh } = self;
+        let Self { at, to, within, cell, fraction: [x, y, z] } = self;
         let delta = &way.delta;
         let length = to - at;
-        let back = at - begin;
-        let (half, forth) = (back + length * 0.5, to - begin);
+        let back = at - within;
+        let (half, forth) = (back + length * 0.5, to - within);
         let first = [x + delta[0] * back, y + delta[1] * back, z + delta[2] * back];
         let middle = [x + delta[0] * half, y + delta[1] * half, z + delta[2] * half];
         let last = [x + delta[0] * forth, y + delta[1] * forth, z + delta[2] * forth];
@@ -112,7 +111,7 @@ impl<S: Simd> Entry<S> {
         // The medium at the begin was looked up for the value that the last cell gave there.
         let off = pick(fresh, splat(simd, 0.0), (along.begin - value).abs());
         let course = Course {
-            values: [pick(fresh, along.end, along.begin), along.middle, along.end],
+            values: [along.begin, along.middle, along.end],
             cubic: along.third.abs() * (way.cubic * length * length * length),
             unsure: way.unsure + off,
         };

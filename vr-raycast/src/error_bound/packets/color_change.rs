@@ -226,8 +226,8 @@ impl PacketReflection {
         let steepness = self.diffuse * self.brightest_light * self.brightest_color
             + self.specular * self.brightest_light * self.power.sqrt();
         let everything = self.brightest_color * self.largest_factor() as f32 + self.specular * self.brightest_light;
-        // Behind the face the gradient is that of the next cell, and differs by slopes of the gradient over two margins.
-        let beyond = places.margin.load(simd) * (32.0 * self.steepest * steepness) * scale * per_length;
+        // Behind the face the gradient is that of the next cell, and differs by slopes of the gradient over two margins; before a face that was leaped to, over four.
+        let beyond = places.margin.load(simd) * (64.0 * self.steepest * steepness) * scale * per_length;
         change.factor_off = Lanes::new(choose(factor_off, range.factor_off, 0.0));
         change.added_off = Lanes::new(choose(added_off, range.added_off, 0.0));
         change.blurred = Lanes::new(choose(blurred, 0.0, 0.0));

@@ -5,18 +5,18 @@ use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_kernels::vector::{Field, LANES, Lanes, PacketLights, Pairs, Stage, Sums, pick, splat};
 
 use super::cell::{Ahead, Entry, Way};
-use super::clear_blocks::ClearBlocks;
 use super::color_change::{ColorChange, PacketReflection, Places};
 use super::cost_table::{CostTable, Here};
 use super::step::{Absorption, Doubt, Step};
 use super::stretch::{STEPS, Stretch};
+use crate::leap::ClearSpace;
 
 /// Medium that the rays of a frame go through.
 #[derive(Clone, Copy)]
 pub(super) struct Medium<'a, T> {
     pub(super) field: Field<'a, T>,
     pub(super) dims: [usize; 3],
-    pub(super) blocks: &'a ClearBlocks,
+    pub(super) clear: &'a ClearSpace,
     pub(super) costs: &'a CostTable,
     /// Difference of the largest and the smallest value of the field.
     pub(super) span: f32,
@@ -61,7 +61,7 @@ pub(super) struct Marched {
 /// Length of the shortest steps, which are taken whatever they cost.
 const SHORTEST: f32 = 1.0 / 16384.0;
 /// Share of the error allowed that the next step aims at: where colours stay as they are, and where they reflect.
-const AIMS: [f32; 2] = [0.8, 0.4];
+const AIMS: [f32; 2] = [0.6, 0.4];
 /// Largest number of rounds of a packet; rays that are not done then have no bound here.
 const MAX_ROUNDS: u32 = 1 << 13;
 
@@ -74,9 +74,8 @@ const MAX_PAUSE: u32 = 128;
 
 /// Outcome of one round of sixteen rays.
 struct Advance<S: Simd> {
-    /// Rays that go on, and those that have a step to add.
+    /// Rays that go on.
     taken: mask32x16<S>,
-    stepped: mask32x16<S>,
     to: f32x16<S>,
     /// Value and medium there.
     value: f32x16<S>,
@@ -108,7 +107,7 @@ fn march_inlined<S: Simd, T: Pairs>(
     packet: &Packet,
     stages: &mut [Stage<T>; 2],
 ) -> Marched {
-    let Medium { field, blocks, costs, .. } = medium;
+    let Medium { field, clear: space, costs, .. } = medium;
     let way = Way::new(simd, medium, packet);
     let Way { path, exits, margin, beyond, .. } = &way;
     let (margin, beyond) = (*margin, *beyond);
@@ -127,6 +126,8 @@ fn march_inlined<S: Simd, T: Pairs>(
     let mut failed = packet.backdrop.load(simd).simd_gt(brightest);
     end = pick(failed, never, end);
     let (mut at, mut out) = (packet.first.load(simd), never);
+    // Rays that leap stand before a face, and look beyond it: what is there tells whether they leap on.
+    let mut ahead = at;
     let mut step = one;
     let mut value = zero;
     let mut here = [zero; 5];
@@ -155,17 +156,21 @@ fn march_inlined<S: Simd, T: Pairs>(
             failed |= live;
             break;
         }
-        // Look up the blocks that rays have come to, and leap over those in which nothing can be seen.
+        // Look up the cells that rays have come to, and leap over those in which nothing can be seen.
         let mut seeking = live & at.simd_ge(out);
         while seeking.any_true() {
-            let (numbers, cells) = path.cells(simd, at);
-            let distance = blocks.at(simd, &cells);
-            let exit = exits.of_blocks(simd, &numbers, &cells.fraction, distance.abs());
-            let leaping = seeking & distance.simd_gt(zero) & exit.simd_gt(margin * 4.0);
-            let found = seeking & !leaping;
-            // As far as no block is clear, none is looked up.
-            out = pick(found, at + exit.max(margin), out);
-            at = pick(leaping, at + exit - margin * 2.0, at);
+            let (numbers, cells) = path.cells(simd, ahead);
+            let code = space.at(simd, &cells);
+            let exit = exits.of_box(simd, &numbers, &cells.fraction, code.to_float());
+            let is_clear = code.simd_gt(0) | code.simd_eq(ClearSpace::CLEAR_CELL);
+            // Where rays cross two faces at once, there may be a cell between those that were looked up.
+            let follows = ahead.simd_le(at) | exits.crossed_one(simd, &cells.fraction, margin * 8.0);
+            let leaping = seeking & is_clear & follows;
+            // These go on from before the face, cell by cell.
+            // As far as no cell is clear, none is looked up.
+            out = pick(seeking & !leaping, ahead + exit.max(margin), out);
+            at = pick(leaping, ahead + exit - margin * 2.0, at);
+            ahead = pick(leaping, ahead + exit + margin * 2.0, pick(seeking & !follows, at, ahead));
             fresh |= leaping;
             live = at.simd_lt(end);
             seeking = live & leaping;
@@ -179,9 +184,11 @@ fn march_inlined<S: Simd, T: Pairs>(
             continue;
         }
         let clear = sums.clear(simd);
+        // The cell of a ray that has leaped is that beyond the face.
+        let within = (at + margin).max(ahead);
         let advance = if pause == 0 && medium.reflection.is_none() {
             // Several steps under one account, where that has gone well of late.
-            let stretch = Stretch::new(simd, medium, &way, [at, value, end], &here, [active, fresh], stages);
+            let stretch = Stretch::new(simd, medium, &way, [at, within, value, end], &here, [active, fresh], stages);
             samples += stretch.samples;
             let cost = clear * stretch.missed;
             let left = clear * (one - stretch.light[3]);
@@ -193,7 +200,6 @@ fn march_inlined<S: Simd, T: Pairs>(
             (pause, patience) = if is_whole { (0, MIN_PAUSE) } else { (patience, (2 * patience).min(MAX_PAUSE)) };
             Advance {
                 taken,
-                stepped: taken & stretch.to.simd_gt(at),
                 to: stretch.to,
                 value: stretch.value,
                 there: stretch.there,
@@ -205,9 +211,10 @@ fn march_inlined<S: Simd, T: Pairs>(
             pause = pause.saturating_sub(1);
             samples += active.to_bitmask().count_ones();
             let [stage, _] = &mut *stages;
-            let entry = Entry::new(simd, medium, &way, [at, (at + step).min(end)], [active, fresh], stage);
-            let ahead = entry.step(simd, medium, &way, value, stage);
-            let Ahead { to, length, course, .. } = &ahead;
+            let entry = Entry::new(simd, medium, &way, [at, within, (at + step).min(end)], active, stage);
+            let next = entry.step(simd, medium, &way, (value, fresh), stage);
+            let Ahead { to, length, course, .. } = &next;
+            let here = costs.entered(simd, &here, fresh, course.values[0]);
             let (to, length) = (*to, *length);
             let absorption = Absorption::new(simd, costs, &here, course, length);
             let doubt = Doubt::of_step(simd, costs, course, length);
@@ -216,8 +223,8 @@ fn march_inlined<S: Simd, T: Pairs>(
             if let Some(reflection) = medium.reflection
                 && (active & doubt.is_seen(simd, absorption.opacity)).any_true()
             {
-                places.cell = lanes(ahead.cell);
-                places.middle = lanes(ahead.middle);
+                places.cell = lanes(next.cell);
+                places.middle = lanes(next.middle);
                 places.length = Lanes::new(length);
                 reflection.along(simd, field, &packet.lights, &places, stage, &mut found);
                 color_change = Some(&found);
@@ -229,9 +236,8 @@ fn march_inlined<S: Simd, T: Pairs>(
             let left = clear * (one - stepping.light[3]);
             let allowed = allowed(simd, medium.error, [per_length * to, left, spent]);
             let is_cheap = cost.simd_le(rounding);
-            let fits = fresh | is_cheap | cost.simd_le(allowed) | length.simd_le(shortest * 1.01);
+            let fits = is_cheap | cost.simd_le(allowed) | length.simd_le(shortest * 1.01);
             let taken = active & fits;
-            let stepped = taken & !fresh;
             // Costs grow with the cube of the length; those of what is reflected nearly with its fourth power, and what is allowed falls by what is spent.
             let mut ratio = (allowed * aim / cost.max(splat(simd, f32::MIN_POSITIVE))).sqrt();
             if medium.reflection.is_some() {
@@ -241,11 +247,10 @@ fn march_inlined<S: Simd, T: Pairs>(
             let ratio = pick(is_cheap, splat(simd, 2.0), ratio.max(splat(simd, 0.125)).min(splat(simd, 2.0)));
             let grown = (length * ratio).max(shortest);
             // A step that ended at a face says nothing about longer ones: keep the length that was tried.
-            let grown = pick(stepped, grown.max(pick(length.simd_lt(step * 0.99), step, zero)), grown);
-            step = pick(active & !fresh, grown, step);
+            let grown = pick(taken, grown.max(pick(length.simd_lt(step * 0.99), step, zero)), grown);
+            step = pick(active, grown, step);
             Advance {
                 taken,
-                stepped,
                 to,
                 value: course.values[2],
                 there: stepping.there,
@@ -254,11 +259,12 @@ fn march_inlined<S: Simd, T: Pairs>(
                 roundings: 1.0,
             }
         };
-        let Advance { taken, stepped, to, light, cost, .. } = advance;
-        sums.add(simd, stepped, [at, to - at], light);
-        spent = pick(stepped, spent + cost, spent);
-        rounded = pick(stepped & light[3].simd_gt(zero), rounded + clear * unit * advance.roundings, rounded);
+        let Advance { taken, to, light, cost, .. } = advance;
+        sums.add(simd, taken, [at, to - at], light);
+        spent = pick(taken, spent + cost, spent);
+        rounded = pick(taken & light[3].simd_gt(zero), rounded + clear * unit * advance.roundings, rounded);
         at = pick(taken, to, at);
+        ahead = pick(taken, to, ahead);
         value = pick(taken, advance.value, value);
         for c in 0..5 {
             here[c] = pick(taken, advance.there[c], here[c]);
@@ -268,9 +274,9 @@ fn march_inlined<S: Simd, T: Pairs>(
         let [r, g, b, _] = sums.rgba();
         let budget = (r.max(g).max(b) - spent).max(one) * medium.error;
         let rest = sums.clear(simd) * brightest;
-        let over = stepped & !(spent + rounded).simd_le(budget);
+        let over = taken & !(spent + rounded).simd_le(budget);
         failed |= over;
-        let done = stepped & (spent + rounded + rest).simd_le(budget * 0.99);
+        let done = taken & (spent + rounded + rest).simd_le(budget * 0.99);
         spent = pick(done, spent + rest, spent);
         end = pick(done | over, never, end);
     }

@@ -3,7 +3,6 @@
 //! The README beside `error_bound` has the proof. A ray whose account does not balance is left to the cell-by-cell integrator.
 
 mod cell;
-mod clear_blocks;
 mod color_change;
 mod cost_table;
 mod gradients;
@@ -20,15 +19,14 @@ use vr_core::image_order::ImageSample;
 use vr_core::{Counts, Filter, GridVolume, Layer, ParameterError, Rays, View, with_grid};
 use vr_kernels::vector::{self, Chords, Field, LANES, Lanes, PacketLights, Pairs, Stage, Vectorized};
 
-use super::blocks::{Blocks, EDGE, State};
+use super::blocks;
 use super::normals::Gradients;
 use super::optics::Optics;
 use super::reflection::Reflection;
-use crate::leap::VisibleBlocks;
+use crate::leap::ClearSpace;
 use crate::near_depths::NearDepths;
 use crate::silhouette::Hull;
 use crate::tracer::RaySample;
-use clear_blocks::ClearBlocks;
 use color_change::PacketReflection;
 use cost_table::CostTable;
 use march::{Marched, Medium, Packet, march};
@@ -37,7 +35,7 @@ use march::{Marched, Medium, Packet, march};
 #[derive(Clone, Debug)]
 pub(super) struct BoundedPackets {
     level: Level,
-    blocks: ClearBlocks,
+    clear: ClearSpace,
     costs: CostTable,
     hull: Hull,
     /// `None` where colours stay as they are.
@@ -55,7 +53,6 @@ impl BoundedPackets {
         level: Level,
         volume: &GridVolume,
         optics: &Optics,
-        blocks: &Blocks,
         reflected: Option<(&Reflection, &Gradients)>,
     ) -> Option<Self> {
         if volume.filter() != Filter::Trilinear || volume.vacuum_cells().is_some() {
@@ -77,20 +74,11 @@ impl BoundedPackets {
             None => (None, [optics.brightest, 1.0]),
         };
         let costs = CostTable::new(optics, [low, high], unit, brightness)?;
-        let seen = |[x, y, z]: [usize; 3]| blocks.state(blocks.index([x, y, z])) != State::Clear;
-        let hull = Hull::new(dims, VisibleBlocks::from_fn(dims, EDGE, seen));
+        let clear = ClearSpace::of_cells(volume, |from, to| !blocks::is_clear(optics, from, to));
+        let hull = Hull::new(dims, clear.visible_blocks(dims));
         // Rounding of three linear interpolations, each of a difference, a product and a sum; and of the knots' places.
         let noise = f64::from(low.abs().max(high.abs())) * 24.0 * libm::exp2(-24.0) + optics.knot_error;
-        Some(Self {
-            level,
-            blocks: ClearBlocks::new(blocks),
-            costs,
-            hull,
-            reflection,
-            unit,
-            span,
-            noise: noise as f32 * (1.0 + 1e-6),
-        })
+        Some(Self { level, clear, costs, hull, reflection, unit, span, noise: noise as f32 * (1.0 + 1e-6) })
     }
 }
 
@@ -136,7 +124,7 @@ impl<'a> PacketView<'a> {
             let medium = Medium {
                 field: Field::new(&lattice),
                 dims: grid.dims(),
-                blocks: &self.packets.blocks,
+                clear: &self.packets.clear,
                 costs: &self.packets.costs,
                 span: self.packets.span,
                 noise: self.packets.noise,

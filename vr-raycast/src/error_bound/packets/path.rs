@@ -1,11 +1,11 @@
 //! Positions along sixteen rays, the cells that they lie in, and where rays leave these.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, f64x8, i32x16};
+use fearless_simd::{Simd, f32x16, f64x8, i32x16, mask32x16};
 use vr_kernels::vector::{Cells, LANES, pick, splat};
 
-use super::clear_blocks::ClearBlocks;
 use super::march::Packet;
+use crate::leap::ClearSpace;
 
 /// Positions along the rays, in f64.
 pub(super) struct Path<S: Simd> {
@@ -86,23 +86,40 @@ impl<S: Simd> Exits<S> {
         length
     }
 
-    /// Returns the distances to where rays leave the boxes of the blocks nearer than `distance` to their own.
+    /// Returns the distances to where rays leave the boxes of blocks, or the cells, that a code of [`ClearSpace`] tells of.
     #[inline(always)]
-    pub(super) fn of_blocks(
+    pub(super) fn of_box(
         &self,
         simd: S,
         numbers: &[f32x16<S>; 3],
         fraction: &[f32x16<S>; 3],
-        distance: f32x16<S>,
+        code: f32x16<S>,
     ) -> f32x16<S> {
-        const EDGE: f32 = (1u32 << ClearBlocks::SHIFT) as f32;
+        const EDGE: f32 = ClearSpace::EDGE as f32;
+        let one = splat(simd, 1.0);
+        let distance = pick(code.simd_gt(splat(simd, 0.0)), code, code * -1.0 + ClearSpace::VISIBLE_BLOCK as f32);
+        // No block is nearer than the ray's own.
+        let is_cell = distance.simd_lt(one);
+        let (reach, edge) = (pick(is_cell, one, distance * EDGE), pick(is_cell, one, splat(simd, EDGE)));
         let mut length = splat(simd, 1e6);
         for a in 0..3 {
-            let block = (numbers[a] * (1.0 / EDGE)).floor();
+            let corner = pick(is_cell, numbers[a], (numbers[a] * (1.0 / EDGE)).floor() * EDGE);
             // Whole numbers but for the fraction: nothing is rounded that could be cancelled.
-            let face = (block + self.up[a] + self.sign[a] * (distance - 1.0)) * EDGE;
+            let face = corner + self.up[a] * edge + self.sign[a] * (reach - edge);
             length = length.min((((face - numbers[a]) - fraction[a]) * self.per_cell[a]).max(splat(simd, 0.0)));
         }
         length
+    }
+
+    /// Returns true for rays that have crossed the faces of cells along one axis at most since a distance ago.
+    #[inline(always)]
+    pub(super) fn crossed_one(&self, simd: S, fraction: &[f32x16<S>; 3], since: f32x16<S>) -> mask32x16<S> {
+        let zero = splat(simd, 0.0);
+        let mut crossed = [zero; 3];
+        for a in 0..3 {
+            let ago = ((splat(simd, 1.0) - self.up[a] - fraction[a]) * self.per_cell[a]).abs();
+            crossed[a] = pick(ago.simd_le(since), splat(simd, 1.0), zero);
+        }
+        (crossed[0] + crossed[1] + crossed[2]).simd_le(splat(simd, 1.0))
     }
 }

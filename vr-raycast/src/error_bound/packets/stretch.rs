@@ -27,13 +27,14 @@ pub(super) struct Stretch<S: Simd> {
 }
 
 impl<S: Simd> Stretch<S> {
-    /// Takes rays on from places `at` with a value and a medium, none beyond its `end`. Those that are `fresh` do not know value and medium yet. Colours stay as they are.
+    /// Takes rays on from places `start`, in the cells of places `within`, with a value and a medium, none beyond its `end`. Those that are `fresh` do not know value and
+    /// medium yet. Colours stay as they are.
     #[inline(always)]
     pub(super) fn new<T: Pairs>(
         simd: S,
         medium: &Medium<'_, T>,
         way: &Way<S>,
-        [start, value, end]: [f32x16<S>; 3],
+        [start, within, value, end]: [f32x16<S>; 4],
         here: &Here<S>,
         [active, fresh]: [mask32x16<S>; 2],
         stages: &mut [Stage<T>; 2],
@@ -52,21 +53,23 @@ impl<S: Simd> Stretch<S> {
         // Sum of what bulges of the colours add where opacity is spread unevenly, and of what is missed of their cubic parts.
         let mut bulged = zero;
         let [mut stage, mut next_stage] = stages.each_mut();
-        let mut entry = Entry::new(simd, medium, way, [at, end], [active, fresh], stage);
-        let old = active & !active;
+        let mut entry = Entry::new(simd, medium, way, [at, within, end], active, stage);
+        let mut fresh = fresh;
         for step in 1..=STEPS {
             // While a step waits for its samples, those of the next one are fetched.
             let next = if step < STEPS {
-                Some(Entry::new(simd, medium, way, [entry.to, end], [active, old], next_stage))
+                let behind = entry.to + way.margin;
+                Some(Entry::new(simd, medium, way, [entry.to, behind, end], active, next_stage))
             } else {
                 None
             };
-            let ahead = entry.step(simd, medium, way, value, stage);
+            let ahead = entry.step(simd, medium, way, (value, fresh), stage);
             samples += (active & ahead.length.simd_gt(zero)).to_bitmask().count_ones();
             let course = &ahead.course;
             let [first, _, last] = course.values;
-            let absorption = Absorption::new(simd, costs, &there, course, ahead.length);
-            let emission = absorption.emission(simd, &there, course.bow(), None);
+            let there_before = costs.entered(simd, &there, fresh, first);
+            let absorption = Absorption::new(simd, costs, &there_before, course, ahead.length);
+            let emission = absorption.emission(simd, &there_before, course.bow(), None);
             // The steps behind one another.
             let clear = one - light[3];
             for c in 0..4 {
@@ -88,6 +91,7 @@ impl<S: Simd> Stretch<S> {
             bulged += emission.bulge * (absorption.tau * opacity + absorption.unevenness()) * 0.52
                 + steep_color * course.cubic * opacity;
             (at, value, there) = (ahead.to, last, absorption.there);
+            fresh &= !active;
             let Some(next) = next else { break };
             entry = next;
             std::mem::swap(&mut stage, &mut next_stage);
@@ -96,7 +100,7 @@ impl<S: Simd> Stretch<S> {
         let room = beside + unsure;
         let doubt = Doubt::new(simd, costs, [low - room, high + room], [span, beside, outside], length);
         let bent_color = doubt.color(costs, span, beside);
-        let skew = (kappa_slope * beside + doubt.changes.kappa * (span * 0.25 + beside)) * length;
+        let skew = doubt.skew(kappa_slope, span, beside, length);
         let steps = STEPS as f32;
         let missed = doubt.missed_depth * (bent_color + color_slope * beside + costs.brightest)
             + light[3] * bent_color
@@ -114,7 +118,6 @@ mod tests {
     use super::super::march::Packet;
     use super::super::midpoints::exact;
     use super::*;
-    use crate::error_bound::blocks::Blocks;
     use crate::error_bound::optics::Optics;
     use crate::error_bound::seeded::runner;
     use fearless_simd::Level;
@@ -159,8 +162,7 @@ mod tests {
                 .unwrap();
                 let volume = GridVolume::new(grid.into(), Filter::Trilinear);
                 let optics = Optics::new(&transfer, volume.calibration(), 1.0);
-                let blocks = Blocks::new(&volume, &optics);
-                let Some(packets) = BoundedPackets::new(Level::new(), &volume, &optics, &blocks, None) else {
+                let Some(packets) = BoundedPackets::new(Level::new(), &volume, &optics, None) else {
                     return Ok(());
                 };
                 let way: [f64; 3] = std::array::from_fn(|a| to[a] - from[a]);
@@ -179,7 +181,7 @@ mod tests {
                 let medium = Medium {
                     field: Field::new(&Lattice { samples: &samples, dims: [SIDE; 3] }),
                     dims: [SIDE; 3],
-                    blocks: &packets.blocks,
+                    clear: &packets.clear,
                     costs: &packets.costs,
                     span: packets.span,
                     noise: packets.noise,
@@ -192,8 +194,15 @@ mod tests {
                     let all = zero.simd_eq(zero);
                     let way = Way::new(simd, &medium, &packet);
                     let mut stages = [Stage::default(), Stage::default()];
-                    let stretch =
-                        Stretch::new(simd, &medium, &way, [zero, zero, end], &[zero; 5], [all, all], &mut stages);
+                    let stretch = Stretch::new(
+                        simd,
+                        &medium,
+                        &way,
+                        [zero, way.margin, zero, end],
+                        &[zero; 5],
+                        [all, all],
+                        &mut stages,
+                    );
                     let [r, g, b, a] = stretch.light;
                     [r, g, b, a, stretch.missed, stretch.to].map(|lanes| f64::from(lanes[LANES / 2]))
                 };

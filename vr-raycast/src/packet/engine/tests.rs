@@ -23,13 +23,13 @@ fn engine(caster: &RayCaster, scene: &Scene) -> Option<PacketEngine> {
 
 fn set_edge(engine: &mut PacketEngine, scene: &Scene, edge: Option<usize>) {
     let volume = scene.volume.grid().unwrap();
-    let PacketLengths::Lattice(distances) = &mut engine.lengths else { panic!("uniform steps leap over blocks") };
+    let PacketLengths::Lattice(clear) = &mut engine.lengths else { panic!("uniform steps leap over blocks") };
     let (baked, integrated) = match &engine.light {
         StepLight::Sample(table) => (Some(table), None),
         StepLight::Course { table, .. } => (None, Some(table.pre_integrated())),
     };
     let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), baked, integrated);
-    *distances = edge.and_then(|edge| PacketEngine::distances(volume, &visibility, edge)).map(Arc::new);
+    *clear = edge.and_then(|edge| PacketEngine::clear_space(volume, &visibility, edge)).map(Arc::new);
 }
 
 fn trace(

@@ -173,9 +173,7 @@ impl Tracer for PointFrame<'_> {
             vacuum: None,
             dims: engine.dims,
             steps: match engine.points.mixing() {
-                PointMixing::Sum => {
-                    MarchSteps::Lattice(LatticeSteps { rows: Rows::new(&engine.table), distances: None })
-                }
+                PointMixing::Sum => MarchSteps::Lattice(LatticeSteps { rows: Rows::new(&engine.table), clear: None }),
                 PointMixing::Mean => {
                     MarchSteps::Listed(ListedSteps { steps: &steps, unit: engine.step, offset: engine.offset })
                 }
