@@ -12,6 +12,8 @@
 //! fast as what is clear throughout, and so it costs next to nothing in a fog that it cannot help. The structures that it beat are in
 //! `classics`.
 //!
+//! Packets find their way by [`ClearSpace`]: the same distances, and a bit for each cell of blocks that are visible in part.
+//!
 //! # Guarantee
 //! Kernels round positions: a sample that lies in a clear block may be taken on the other side of its face. So a ray is a beam, a
 //! little thicker than that rounding ([`reach`]), and all of the ray where the beam touches a visible block lies in an interval. A ray that

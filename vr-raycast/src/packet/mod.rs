@@ -20,6 +20,8 @@
 //! * Where rays go through nothing, set-up and leaping are what costs. So the outermost visible blocks are projected once a view: packets in
 //!   front of none are not set up, and the others begin where the nearest one does. With that, and blocks of 4³ cells in the place of 8³, a
 //!   frame of mni, opaque, at a step of one voxel went from 24 to 14 ms.
+//! * Half of the samples of opaque scenes lay in clear cells of visible blocks. Such blocks have a bit for each cell
+//!   ([`ClearSpace`](crate::leap::ClearSpace)).
 //!
 //! # What was measured and not taken
 //! In a kernel of its own, without what a renderer adds (u8, 256³ and 512³, AVX-512; ratios from one run):
