@@ -163,13 +163,12 @@ fn march_inlined<S: Simd, T: Pairs>(
             let code = space.at(simd, &cells);
             let exit = exits.of_box(simd, &numbers, &cells.fraction, code.to_float());
             let is_clear = code.simd_gt(0) | code.simd_eq(ClearSpace::CLEAR_CELL);
-            // Where rays cross two faces at once, there may be a cell between those that were looked up.
+            // Where a ray crosses two faces at once, there may be a cell between those that were looked up: it goes on from before them, cell by cell.
             let follows = ahead.simd_le(at) | exits.crossed_one(simd, &cells.fraction, margin * 8.0);
             let leaping = seeking & is_clear & follows;
-            // These go on from before the face, cell by cell.
             // As far as no cell is clear, none is looked up.
             out = pick(seeking & !leaping, ahead + exit.max(margin), out);
-            at = pick(leaping, ahead + exit - margin * 2.0, at);
+            at = pick(leaping, at.max(ahead + exit - margin * 2.0), at);
             ahead = pick(leaping, ahead + exit + margin * 2.0, pick(seeking & !follows, at, ahead));
             fresh |= leaping;
             live = at.simd_lt(end);
