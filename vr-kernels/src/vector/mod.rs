@@ -33,7 +33,7 @@ pub use lanes::Lanes;
 pub use level::{Vectorized, baseline, run};
 pub use modulation::{Modulation, RowMixture, StepOptics};
 pub use operator::Operator;
-pub use rows::{packed, rows_of, transpose, transpose_packed};
+pub use rows::{packed, packed_rows, rows_at, rows_of, transpose, transpose_packed};
 pub use segments::SegmentTable;
 pub use shade::{PacketLight, PacketLights, PacketShading, SeenLights, Shade, central_differences, power_of, reflect};
 pub use stencils::Stencils;

@@ -17,6 +17,36 @@ pub fn packed<S: Simd>(rows: [f32x4<S>; LANES]) -> [f32x16<S>; 4] {
     ]
 }
 
+/// Sixteen rows of a table, [`packed`]. Row by row without a loop: compilers keep what a loop fills in memory.
+#[inline(always)]
+pub fn packed_rows<'a, S: Simd>(simd: S, n: [i32; LANES], row: impl Fn(usize) -> &'a [f32; 4]) -> [f32x16<S>; 4] {
+    let load = |i: i32| f32x4::load_array_ref(simd, row(i as u32 as usize));
+    packed([
+        load(n[0]),
+        load(n[1]),
+        load(n[2]),
+        load(n[3]),
+        load(n[4]),
+        load(n[5]),
+        load(n[6]),
+        load(n[7]),
+        load(n[8]),
+        load(n[9]),
+        load(n[10]),
+        load(n[11]),
+        load(n[12]),
+        load(n[13]),
+        load(n[14]),
+        load(n[15]),
+    ])
+}
+
+/// Sixteen rows of a table, one vector per component.
+#[inline(always)]
+pub fn rows_at<'a, S: Simd>(simd: S, n: [i32; LANES], row: impl Fn(usize) -> &'a [f32; 4]) -> [f32x16<S>; 4] {
+    transpose_packed(packed_rows(simd, n, row))
+}
+
 /// Sixteen rows of four into one vector per component.
 #[inline(always)]
 pub fn transpose<S: Simd>(rows: [f32x4<S>; LANES]) -> [f32x16<S>; 4] {

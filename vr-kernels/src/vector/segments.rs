@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4, f32x16, i32x16, mask32x16};
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 
-use super::{LANES, Lanes, opacity_of_depth, pick, source_weight, splat, transpose};
+use super::{LANES, Lanes, opacity_of_depth, pick, rows_at, source_weight, splat};
 use crate::tables::PreIntegrated;
 
 /// A [`PreIntegrated`] table in the form that lanes read: the same light as [`PreIntegrated::segment`] and [`PreIntegrated::segment3`], but for
@@ -177,24 +177,13 @@ impl SegmentTable {
             Places { row: pick(falls, back.row, front.row), fraction: pick(falls, back.fraction, front.fraction) };
         let high =
             Places { row: pick(falls, front.row, back.row), fraction: pick(falls, front.fraction, back.fraction) };
-        let index = [low.row.to_int::<i32x16<S>>().to_array(), high.row.to_int::<i32x16<S>>().to_array()];
-        let none = f32x4::splat(simd, 0.0);
-        let (mut end, mut low_start, mut low_rise) = ([none; LANES], [none; LANES], [none; LANES]);
-        for j in 0..LANES {
-            let row = &self.rows[index[0][j] as u32 as usize];
-            end[j] = f32x4::load_array_ref(simd, &row.end);
-            low_start[j] = f32x4::load_array_ref(simd, &row.start);
-            low_rise[j] = f32x4::load_array_ref(simd, &row.rise);
-        }
-        let (end, low_start, low_rise) = (transpose(end), transpose(low_start), transpose(low_rise));
-        let (mut sum, mut high_start, mut high_rise) = ([none; LANES], [none; LANES], [none; LANES]);
-        for j in 0..LANES {
-            let row = &self.rows[index[1][j] as u32 as usize];
-            sum[j] = f32x4::load_array_ref(simd, &row.sum);
-            high_start[j] = f32x4::load_array_ref(simd, &row.start);
-            high_rise[j] = f32x4::load_array_ref(simd, &row.rise);
-        }
-        let (sum, high_start, high_rise) = (transpose(sum), transpose(high_start), transpose(high_rise));
+        let [low_rows, high_rows] = [low.row, high.row].map(|row| row.to_int::<i32x16<S>>().to_array());
+        let end = rows_at(simd, low_rows, |n| &self.rows[n].end);
+        let low_start = rows_at(simd, low_rows, |n| &self.rows[n].start);
+        let low_rise = rows_at(simd, low_rows, |n| &self.rows[n].rise);
+        let sum = rows_at(simd, high_rows, |n| &self.rows[n].sum);
+        let high_start = rows_at(simd, high_rows, |n| &self.rows[n].start);
+        let high_rise = rows_at(simd, high_rows, |n| &self.rows[n].rise);
         // Means over the values between: inside one row, or from the one to its end and from the begin of the other.
         let inside = low.row.simd_eq(high.row);
         let (rest, centre) = (one - low.fraction, (one + low.fraction) * 0.5);

@@ -1,9 +1,9 @@
 //! The transfer function's table, looked up for sixteen values at once.
 
-use super::{LANES, opacity_of_depth, pick, source_weight, splat, transpose};
+use super::{opacity_of_depth, pick, rows_at, source_weight, splat};
 use crate::tables::{BakedTransfer, lone_walls};
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4, f32x16, i32x16};
+use fearless_simd::{Simd, f32x16, i32x16};
 use vr_core::Calibration;
 use vr_core::transfer::{Optical, TransferFunction};
 
@@ -136,14 +136,8 @@ impl<'a> Rows<'a> {
         let index: i32x16<S> = x.to_int();
         let t = x - index.to_float::<f32x16<S>>();
         let index = index.to_array();
-        let zero = f32x4::splat(simd, 0.0);
-        let (mut low, mut high) = ([zero; LANES], [zero; LANES]);
-        for j in 0..LANES {
-            let ends = &self.rows[index[j] as u32 as usize];
-            low[j] = f32x4::load_array_ref(simd, &ends[0]);
-            high[j] = f32x4::load_array_ref(simd, &ends[1]);
-        }
-        let (low, high) = (transpose(low), transpose(high));
+        let low = rows_at(simd, index, |n| &self.rows[n][0]);
+        let high = rows_at(simd, index, |n| &self.rows[n][1]);
         let found = [
             low[0] + t * (high[0] - low[0]),
             low[1] + t * (high[1] - low[1]),

@@ -68,9 +68,14 @@ const MAX_ROUNDS: u32 = 1 << 13;
 /// Number of rounds after which the last rays of a packet are left to the cell-by-cell integrator, where they reflect light. It takes about as long for a ray as 3000 of these rounds do.
 const MANY_ROUNDS: u32 = 1 << 12;
 
-/// Numbers of rounds in which steps are taken one by one when a stretch has cost more than its share: after one that did not, and at most.
-const MIN_PAUSE: u32 = 8;
-const MAX_PAUSE: u32 = 128;
+/// Numbers of rounds in a row whose steps cost little, behind which a stretch is tried: after one that has gone well, and at most, as the number doubles with each that cost more than its share.
+const MIN_CALM: u32 = 2;
+const MAX_CALM: u32 = 64;
+/// Share of what a step may cost, below which it costs little.
+const LITTLE: f32 = 1.0 / 16.0;
+
+/// Largest number of rounds in which no ray looks for clear space, since few found any: those that do are worth little, as all others wait for them.
+const MAX_REST: u32 = 7;
 
 /// Outcome of one round of sixteen rays.
 struct Advance<S: Simd> {
@@ -142,8 +147,10 @@ fn march_inlined<S: Simd, T: Pairs>(
         whole: packet.end,
     };
     let (mut samples, mut rounds) = (0, 0);
-    // Rounds for which steps are taken one by one, and for how many they are when a stretch fails next.
-    let (mut pause, mut patience) = (0, MIN_PAUSE);
+    // Rounds until rays look for clear space again, and for how many they did not when few last leaped.
+    let (mut rest, mut idle) = (0u32, 0);
+    // Rounds in a row whose steps cost little, and how many there have to be before the next stretch.
+    let (mut calm, mut patience) = (0, MIN_CALM);
     loop {
         let mut live = at.simd_lt(end);
         if live.all_false() {
@@ -157,7 +164,9 @@ fn march_inlined<S: Simd, T: Pairs>(
             break;
         }
         // Look up the cells that rays have come to, and leap over those in which nothing can be seen.
-        let mut seeking = live & at.simd_ge(out);
+        rest = rest.saturating_sub(1);
+        let mut seeking = live & at.simd_ge(if rest == 0 { out } else { end });
+        let (looks, mut leaped) = (seeking.any_true(), never.simd_ge(zero));
         while seeking.any_true() {
             let (numbers, cells) = path.cells(simd, ahead);
             let code = space.at(simd, &cells);
@@ -171,12 +180,18 @@ fn march_inlined<S: Simd, T: Pairs>(
             at = pick(leaping, at.max(ahead + exit - margin * 2.0), at);
             ahead = pick(leaping, ahead + exit + margin * 2.0, pick(seeking & !follows, at, ahead));
             fresh |= leaping;
+            leaped |= leaping;
             live = at.simd_lt(end);
             seeking = live & leaping;
             let ready = live & !seeking;
             if 2 * ready.to_bitmask().count_ones() >= live.to_bitmask().count_ones() {
                 break;
             }
+        }
+        if looks {
+            let is_worth_it = 4 * leaped.to_bitmask().count_ones() >= live.to_bitmask().count_ones();
+            idle = if is_worth_it { 0 } else { (2 * idle + 1).min(MAX_REST) };
+            rest = idle + 1;
         }
         let active = live & !seeking;
         if active.all_false() {
@@ -185,7 +200,7 @@ fn march_inlined<S: Simd, T: Pairs>(
         let clear = sums.clear(simd);
         // The cell of a ray that has leaped is that beyond the face.
         let within = (at + margin).max(ahead);
-        let advance = if pause == 0 && medium.reflection.is_none() {
+        let advance = if calm >= patience && medium.reflection.is_none() {
             // Several steps under one account, where that has gone well of late.
             let stretch = Stretch::new(simd, medium, &way, [at, within, value, end], &here, [active, fresh], stages);
             samples += stretch.samples;
@@ -196,7 +211,7 @@ fn march_inlined<S: Simd, T: Pairs>(
             let taken =
                 active & cost.simd_le(allowed(simd, medium.error, [per_length * stretch.to, left, spent])) & !is_halved;
             let is_whole = (active & !taken).all_false();
-            (pause, patience) = if is_whole { (0, MIN_PAUSE) } else { (patience, (2 * patience).min(MAX_PAUSE)) };
+            (calm, patience) = if is_whole { (MIN_CALM, MIN_CALM) } else { (0, (2 * patience).min(MAX_CALM)) };
             Advance {
                 taken,
                 to: stretch.to,
@@ -207,7 +222,6 @@ fn march_inlined<S: Simd, T: Pairs>(
                 roundings: 1.0 + STEPS as f32,
             }
         } else {
-            pause = pause.saturating_sub(1);
             samples += active.to_bitmask().count_ones();
             let [stage, _] = &mut *stages;
             let entry = Entry::new(simd, medium, &way, [at, within, (at + step).min(end)], active, stage);
@@ -237,6 +251,8 @@ fn march_inlined<S: Simd, T: Pairs>(
             let is_cheap = cost.simd_le(rounding);
             let fits = is_cheap | cost.simd_le(allowed) | length.simd_le(shortest * 1.01);
             let taken = active & fits;
+            let is_calm = (active & !(is_cheap | cost.simd_le(allowed * LITTLE))).all_false();
+            calm = if is_calm { calm + 1 } else { 0 };
             // Costs grow with the cube of the length; those of what is reflected nearly with its fourth power, and what is allowed falls by what is spent.
             let mut ratio = (allowed * aim / cost.max(splat(simd, f32::MIN_POSITIVE))).sqrt();
             if medium.reflection.is_some() {

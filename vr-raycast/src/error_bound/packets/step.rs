@@ -99,9 +99,9 @@ impl<S: Simd> Absorption<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, costs: &CostTable, here: &Here<S>, course: &Course<S>, length: f32x16<S>) -> Self {
         let (there, color_slopes) = costs.medium(simd, course.values[2]);
-        // The chord of κ, how far the mean of κ is likely to lie beside it, and the parabola.
+        // The chord of κ, the middle of how far κ may lie beside it, and the parabola.
         let rise = course.values[2] - course.values[0];
-        let bent = (there[4] - here[4]) * rise * costs.bend;
+        let bent = (there[4] - here[4]) * rise * (1.0 / 16.0);
         let bowed = (here[4] + there[4]) * course.bow() * (1.0 / 3.0);
         let tau = ((here[3] + there[3]) * 0.5 - bent + bowed).max(splat(simd, 0.0)) * length;
         let change = (there[3] - here[3]) * length;
@@ -175,9 +175,9 @@ impl<S: Simd> Doubt<S> {
         length: f32x16<S>,
     ) -> Self {
         let changes = costs.changes(simd, low, high);
-        let looked_up = costs.looked_up(&changes) * length;
-        let beside_line = changes.kappa * (beside + outside) * (1.0 / 3.0);
-        let missed_depth = (costs.missed_bend(&changes, span) + beside_line) * length + looked_up;
+        let looked_up = changes.kappa * costs.quarter * length;
+        let missed_depth =
+            changes.kappa * (span * (1.0 / 16.0) + (beside + outside) * (1.0 / 3.0)) * length + looked_up;
         Self { changes, missed_depth, looked_up, walls: costs.walls(simd, low, high) }
     }
 
@@ -200,7 +200,7 @@ impl<S: Simd> Doubt<S> {
     /// Bounds how far the extinction is from a line, over `span` and `beside` as in [`Self::new`], times a length; `slope`: the largest slope of it.
     #[inline(always)]
     pub(super) fn skew(&self, slope: f32x16<S>, span: f32x16<S>, beside: f32x16<S>, length: f32x16<S>) -> f32x16<S> {
-        (slope * beside + self.changes.beside_chord(span) + self.changes.kappa * beside) * length + self.looked_up
+        (slope * beside + self.changes.kappa * (span * 0.25 + beside)) * length + self.looked_up
     }
 
     /// Bounds how far colours are from lines, over `span` and `beside` as in [`Self::new`].

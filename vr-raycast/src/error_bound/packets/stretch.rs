@@ -67,9 +67,11 @@ impl<S: Simd> Stretch<S> {
             samples += (active & ahead.length.simd_gt(zero)).to_bitmask().count_ones();
             let course = &ahead.course;
             let [first, _, last] = course.values;
-            let there_before = costs.entered(simd, &there, fresh, first);
-            let absorption = Absorption::new(simd, costs, &there_before, course, ahead.length);
-            let emission = absorption.emission(simd, &there_before, course.bow(), None);
+            if step == 1 {
+                there = costs.entered(simd, &there, fresh, first);
+            }
+            let absorption = Absorption::new(simd, costs, &there, course, ahead.length);
+            let emission = absorption.emission(simd, &there, course.bow(), None);
             // The steps behind one another.
             let clear = one - light[3];
             for c in 0..4 {

@@ -1,10 +1,10 @@
 //! Maps from places along an uneven axis to cells, for lanes.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4, f32x16, i32x16};
+use fearless_simd::{Simd, f32x16, i32x16};
 use vr_core::rectilinear::{Axis, RectilinearGrid, Segment};
 use vr_core::{GradientMethod, cancel};
-use vr_kernels::vector::{LANES, transpose};
+use vr_kernels::vector::rows_at;
 
 /// Reaches of an axis, of one segment or of several, each with a map that is linear in its cells. Places in a reach are counted in bins of one length, no
 /// longer than a cell: a bin holds one boundary of cells at most.
@@ -86,7 +86,7 @@ impl AxisTable {
     /// Returns the cell and the place in it, as one number, of places in bins; `row` is the number of the bin in the table.
     #[inline(always)]
     pub(super) fn to_cells<S: Simd>(&self, simd: S, x: f32x16<S>, row: i32x16<S>) -> f32x16<S> {
-        let [cell, slope, boundary, bend] = rows_at(simd, &self.bins, row);
+        let [cell, slope, boundary, bend] = rows_at(simd, row.to_array(), |n| &self.bins[n]);
         let beyond = x - boundary;
         cell + slope * beyond + bend * beyond.max(f32x16::splat(simd, 0.0))
     }
@@ -94,7 +94,7 @@ impl AxisTable {
     /// Returns the factors of the rises around cells.
     #[inline(always)]
     pub(super) fn slopes_at<S: Simd>(&self, simd: S, cell: i32x16<S>) -> [f32x16<S>; 4] {
-        rows_at(simd, &self.slopes, cell)
+        rows_at(simd, cell.to_array(), |n| &self.slopes[n])
     }
 }
 
@@ -152,16 +152,6 @@ fn add_reach(places: &[f64], first: usize, table: &mut Vec<[f32; 4]>) -> Reach {
         table.push(row.map(|x| x as f32));
     }
     place
-}
-
-#[inline(always)]
-fn rows_at<S: Simd>(simd: S, table: &[[f32; 4]], index: i32x16<S>) -> [f32x16<S>; 4] {
-    let index = index.to_array();
-    let mut rows = [f32x4::splat(simd, 0.0); LANES];
-    for lane in 0..LANES {
-        rows[lane] = f32x4::load_array_ref(simd, &table[index[lane] as u32 as usize]);
-    }
-    transpose(rows)
 }
 
 #[cfg(test)]
