@@ -162,6 +162,7 @@ impl<'a> Rows<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::LANES;
     use super::*;
     use fearless_simd::{Level, dispatch};
     use vr_core::transfer::{ControlPoint, OpacityRule};
