@@ -68,14 +68,14 @@ const MAX_ROUNDS: u32 = 1 << 13;
 /// Number of rounds after which the last rays of a packet are left to the cell-by-cell integrator, where they reflect light. It takes about as long for a ray as 3000 of these rounds do.
 const MANY_ROUNDS: u32 = 1 << 12;
 
-/// Numbers of rounds in a row whose steps cost little, behind which a stretch is tried: after one that has gone well, and at most, as the number doubles with each that cost more than its share.
-const MIN_CALM: u32 = 2;
+/// Numbers of rounds in a row with cheap steps, after which a stretch is tried: at first, and at most, as the number doubles with each stretch that costs more than its share.
+const MIN_CALM: u32 = 4;
 const MAX_CALM: u32 = 64;
-/// Share of what a step may cost, below which it costs little.
-const LITTLE: f32 = 1.0 / 16.0;
+/// Share of what a step may cost, up to which it is cheap enough for that.
+const CHEAP: f32 = 1.0 / 16.0;
 
-/// Largest number of rounds in which no ray looks for clear space, since few found any: those that do are worth little, as all others wait for them.
-const MAX_REST: u32 = 7;
+/// Largest number of rounds in which rays do not look for clear space, where few of them leaped: all others wait for these.
+const MAX_PAUSE: u32 = 7;
 
 /// Outcome of one round of sixteen rays.
 struct Advance<S: Simd> {
@@ -147,9 +147,9 @@ fn march_inlined<S: Simd, T: Pairs>(
         whole: packet.end,
     };
     let (mut samples, mut rounds) = (0, 0);
-    // Rounds until rays look for clear space again, and for how many they did not when few last leaped.
-    let (mut rest, mut idle) = (0u32, 0);
-    // Rounds in a row whose steps cost little, and how many there have to be before the next stretch.
+    // Rounds until rays look for clear space again, and the last number of these.
+    let (mut pause, mut last_pause) = (0u32, 0);
+    // Rounds in a row with cheap steps, and how many there have to be before the next stretch.
     let (mut calm, mut patience) = (0, MIN_CALM);
     loop {
         let mut live = at.simd_lt(end);
@@ -164,9 +164,13 @@ fn march_inlined<S: Simd, T: Pairs>(
             break;
         }
         // Look up the cells that rays have come to, and leap over those in which nothing can be seen.
-        rest = rest.saturating_sub(1);
-        let mut seeking = live & at.simd_ge(if rest == 0 { out } else { end });
-        let (looks, mut leaped) = (seeking.any_true(), never.simd_ge(zero));
+        pause = pause.saturating_sub(1);
+        let mut seeking = live & at.simd_ge(out);
+        if pause > 0 {
+            // Those in the middle of a leap look all the same.
+            seeking &= ahead.simd_gt(at);
+        }
+        let (looks, mut leaped) = (pause == 0 && seeking.any_true(), live & !live);
         while seeking.any_true() {
             let (numbers, cells) = path.cells(simd, ahead);
             let code = space.at(simd, &cells);
@@ -190,8 +194,8 @@ fn march_inlined<S: Simd, T: Pairs>(
         }
         if looks {
             let is_worth_it = 4 * leaped.to_bitmask().count_ones() >= live.to_bitmask().count_ones();
-            idle = if is_worth_it { 0 } else { (2 * idle + 1).min(MAX_REST) };
-            rest = idle + 1;
+            last_pause = if is_worth_it { 0 } else { (2 * last_pause + 1).min(MAX_PAUSE) };
+            pause = last_pause + 1;
         }
         let active = live & !seeking;
         if active.all_false() {
@@ -251,7 +255,7 @@ fn march_inlined<S: Simd, T: Pairs>(
             let is_cheap = cost.simd_le(rounding);
             let fits = is_cheap | cost.simd_le(allowed) | length.simd_le(shortest * 1.01);
             let taken = active & fits;
-            let is_calm = (active & !(is_cheap | cost.simd_le(allowed * LITTLE))).all_false();
+            let is_calm = (active & !(is_cheap | cost.simd_le(allowed * CHEAP))).all_false();
             calm = if is_calm { calm + 1 } else { 0 };
             // Costs grow with the cube of the length; those of what is reflected nearly with its fourth power, and what is allowed falls by what is spent.
             let mut ratio = (allowed * aim / cost.max(splat(simd, f32::MIN_POSITIVE))).sqrt();
