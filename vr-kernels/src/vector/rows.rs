@@ -17,7 +17,7 @@ pub fn packed<S: Simd>(rows: [f32x4<S>; LANES]) -> [f32x16<S>; 4] {
     ]
 }
 
-/// Sixteen rows of a table, [`packed`]. Row by row without a loop: compilers keep what a loop fills in memory.
+/// Sixteen rows of a table by their numbers, [`packed`]. `row` returns one of them. They are named one by one, as compilers keep what a loop fills in memory.
 #[inline(always)]
 pub fn packed_rows<'a, S: Simd>(simd: S, n: [i32; LANES], row: impl Fn(usize) -> &'a [f32; 4]) -> [f32x16<S>; 4] {
     let load = |i: i32| f32x4::load_array_ref(simd, row(i as u32 as usize));
@@ -41,7 +41,7 @@ pub fn packed_rows<'a, S: Simd>(simd: S, n: [i32; LANES], row: impl Fn(usize) ->
     ])
 }
 
-/// Sixteen rows of a table, one vector per component.
+/// Sixteen rows of a table by their numbers, one vector per component.
 #[inline(always)]
 pub fn rows_at<'a, S: Simd>(simd: S, n: [i32; LANES], row: impl Fn(usize) -> &'a [f32; 4]) -> [f32x16<S>; 4] {
     transpose_packed(packed_rows(simd, n, row))
