@@ -147,8 +147,8 @@ fn march_inlined<S: Simd, T: Pairs>(
         whole: packet.end,
     };
     let (mut samples, mut rounds) = (0, 0);
-    // Rounds until rays look for clear space again, and the last number of these.
-    let (mut pause, mut last_pause) = (0u32, 0);
+    // Rounds in which rays do not look for clear space yet, and how many there were of them last.
+    let (mut pause, mut last_pause) = (0u32, 0u32);
     // Rounds in a row with cheap steps, and how many there have to be before the next stretch.
     let (mut calm, mut patience) = (0, MIN_CALM);
     loop {
@@ -164,7 +164,6 @@ fn march_inlined<S: Simd, T: Pairs>(
             break;
         }
         // Look up the cells that rays have come to, and leap over those in which nothing can be seen.
-        pause = pause.saturating_sub(1);
         let mut seeking = live & at.simd_ge(out);
         if pause > 0 {
             // Those in the middle of a leap look all the same.
@@ -195,7 +194,9 @@ fn march_inlined<S: Simd, T: Pairs>(
         if looks {
             let is_worth_it = 4 * leaped.to_bitmask().count_ones() >= live.to_bitmask().count_ones();
             last_pause = if is_worth_it { 0 } else { (2 * last_pause + 1).min(MAX_PAUSE) };
-            pause = last_pause + 1;
+            pause = last_pause;
+        } else {
+            pause = pause.saturating_sub(1);
         }
         let active = live & !seeking;
         if active.all_false() {

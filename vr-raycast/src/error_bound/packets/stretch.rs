@@ -67,6 +67,7 @@ impl<S: Simd> Stretch<S> {
             samples += (active & ahead.length.simd_gt(zero)).to_bitmask().count_ones();
             let course = &ahead.course;
             let [first, _, last] = course.values;
+            // After the first step, every ray knows the medium.
             if step == 1 {
                 there = costs.entered(simd, &there, fresh, first);
             }
