@@ -37,18 +37,18 @@ struct Row {
 
 impl<'a> Canvas<'a> {
     /// Makes a canvas for a grid of points `coarse` pixels apart, and all finer ones.
-    pub(super) fn new((view, layer): (&'a View, Option<&'a Layer>), control: &'a Control, coarse: usize) -> Self {
+    ///
+    /// # Errors
+    /// [`RenderError::Cancelled`]: a large canvas takes a good part of a second to fill.
+    pub(super) fn new(
+        (view, layer): (&'a View, Option<&'a Layer>),
+        control: &'a Control,
+        coarse: usize,
+    ) -> Result<Self, RenderError> {
         let [across, down] = view.size.map(|n| (n as usize - 1).div_ceil(coarse).max(1) * coarse + 1);
         let row = Row { rgba: vec![[0.0; 4]; across], depth: vec![f32::INFINITY; across], traced: vec![false; across] };
-        Self {
-            view,
-            layer,
-            control,
-            across,
-            rows: vec![row; down],
-            done: AtomicUsize::new(0),
-            counts: Counts::default(),
-        }
+        let rows = (0..down).map(|_| control.check().map(|()| row.clone())).collect::<Result<_, _>>()?;
+        Ok(Self { view, layer, control, across, rows, done: AtomicUsize::new(0), counts: Counts::default() })
     }
 
     pub(super) fn counts(&self) -> Counts {

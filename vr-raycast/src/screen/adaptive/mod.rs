@@ -53,7 +53,7 @@ pub(crate) fn adaptive(
         Some(thin) => stats.time("thin parts", || thin.tiles(view))?,
         None => Vec::new(),
     };
-    let mut canvas = Canvas::new((view, layer), control, COARSE);
+    let mut canvas = Canvas::new((view, layer), control, COARSE)?;
     let mut spacing = COARSE;
     let mut cells = Cells::all(canvas.points(spacing));
     // Cells that are traced whole, whatever their corners are.
