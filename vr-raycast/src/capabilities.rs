@@ -6,7 +6,6 @@ use vr_core::{
 };
 
 use crate::caster::{CompositingOrder, ImageSampling, RayCaster, Rule, Step, TransferLookup, Traversal, knows_ranges};
-use crate::error_bound::ErrorBound;
 use crate::options::STEP;
 use crate::source::Source;
 
@@ -103,9 +102,6 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderE
     if let Some((feature, what)) = crate::classics::beyond_steps(caster, scene) {
         return Err(unsupported(feature, what));
     }
-    if let Step::ErrorBound(_) = caster.step {
-        ErrorBound::check(scene)?;
-    }
     Ok(source)
 }
 
@@ -127,11 +123,7 @@ fn check_step_count(caster: &RayCaster, source: &Source) -> Result<(), RenderErr
 
 /// Checks that this caster can draw a grid whose voxels have colours of their own.
 fn check_colors(caster: &RayCaster) -> Result<(), RenderError> {
-    if matches!(caster.step, Step::ErrorBound(_)) {
-        let what = "a promised error where voxels have colours: no bound is known of those between them";
-        return Err(unsupported(Feature::MaxError, what));
-    }
-    let plain = matches!(caster.step, Step::Uniform(_) | Step::Local { .. })
+    let plain = matches!(caster.step, Step::Uniform(_) | Step::Local { .. } | Step::ErrorBound(_))
         && caster.traversal == Traversal::Samples
         && matches!(caster.rule, Rule::Auto | Rule::Midpoint | Rule::Left)
         && (matches!(
@@ -139,7 +131,7 @@ fn check_colors(caster: &RayCaster) -> Result<(), RenderError> {
             ImageSampling::Auto | ImageSampling::EveryPixel | ImageSampling::Adaptive { .. }
         ) || !caster.image_sampling.casts_pixels());
     if !plain {
-        let what = "voxels with colours but in uniform or local steps by the rule midpoint or left, which sample a step at one place";
+        let what = "voxels with colours but in uniform or local steps by the rule midpoint or left, which sample a step at one place, or with a promised error";
         return Err(unsupported(Feature::Setting, what));
     }
     Ok(())
@@ -150,12 +142,6 @@ fn check_field(caster: &RayCaster, scene: &Scene) -> Result<(), RenderError> {
     let kind = scene.volume.kind();
     if caster.filter.is_some() {
         return Err(unsupported(Feature::Filter, format!("a filter over volumes of the kind '{kind}'")));
-    }
-    if let Step::ErrorBound(_) = caster.step {
-        if scene.volume.has_colors() {
-            return check_colors(caster);
-        }
-        ErrorBound::check(scene)?;
     }
     let follows = matches!(caster.step, Step::Local { .. }) && knows_ranges(&scene.volume);
     let plain = (matches!(caster.step, Step::Uniform(_) | Step::ErrorBound(_)) || follows)

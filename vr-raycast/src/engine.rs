@@ -82,7 +82,7 @@ impl Engine {
     ) -> Result<Self, RenderError> {
         if let Step::ErrorBound(error) = caster.step {
             let packets = level::of(caster.vector).filter(|_| caster.precision == Precision::F32);
-            let error_bound = ErrorBound::new(error, scene, source, packets)?;
+            let error_bound = ErrorBound::new(error, scene, source, packets);
             return Ok(Self::ErrorBound(Box::new(error_bound)));
         }
         let Source::Grid(volume) = source else {

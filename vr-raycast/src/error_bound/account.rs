@@ -13,6 +13,8 @@ const RESOLUTION_SHARE: f64 = 0.02;
 pub(super) struct Limits {
     /// Largest error, relative to max(1, the ray's own radiance).
     pub(super) error: f64,
+    /// Share of the error that steps may have: what they are off by decides how much of an emission is doubtful where the ray is cut.
+    pub(super) of_steps: f64,
     /// Opacity at which the ray is cut; 1 if it never is.
     pub(super) level: f64,
     /// Largest component of the source. `emits` is true if the source is emission given on its own.
@@ -37,6 +39,10 @@ pub(super) struct Account {
     pub(super) error: f64,
     /// Largest contribution of the part of the ray that was not looked at.
     unseen: f64,
+    /// True if the computed opacity has reached the level, behind which no light counts.
+    is_cut: bool,
+    /// Light of an emission that may be in front of the cut or behind it.
+    doubtful: f64,
     /// Distance at which opacity reached ½.
     pub(super) half_way: f64,
     pub(super) steps: u64,
@@ -69,6 +75,8 @@ impl Account {
             light: [0.0; 3],
             error: 0.0,
             unseen: 0.0,
+            is_cut: false,
+            doubtful: 0.0,
             half_way: f64::INFINITY,
             steps: 0,
             ended: false,
@@ -97,7 +105,7 @@ impl Account {
     /// half to the opacity.
     fn share(&self, s: f64, left: f64) -> f64 {
         let length = (s - self.start) / (self.end - self.start);
-        self.budget() * (0.45 * length + 0.45 * (1.0 - left))
+        self.budget() * self.limits.of_steps * (0.45 * length + 0.45 * (1.0 - left))
     }
 
     /// Returns the error that a step at `s` may have, before it is dimmed: a hint for choosing the step.
@@ -110,23 +118,38 @@ impl Account {
     pub(super) fn resolution(&self, [rate, source]: [f64; 2]) -> f64 {
         let length = self.end - self.start;
         let emitted = if self.limits.emits { length } else { 1.0 };
-        RESOLUTION_SHARE * self.limits.error / (rate * self.max_light(self.start) * length + source * emitted)
+        RESOLUTION_SHARE * self.limits.of_steps * self.limits.error
+            / (rate * self.max_light(self.start) * length + source * emitted)
     }
 
     /// True if a step from `s` on is good enough.
     pub(super) fn fits(&self, step: &Step, s: f64) -> bool {
         let left = self.transmittance * (1.0 - step.opacity);
-        let cut = if 1.0 - left >= self.limits.level { step.opacity * step.variation } else { 0.0 };
-        let cost = self.transmittance * (step.light_error + step.opacity_error * self.max_light(s) + cut);
+        let cost = self.transmittance * (step.light_error + step.opacity_error * self.max_light(s) + self.cut(step));
         // Half of a part in which nothing is known costs half as much, and has half the share: halving alone would never end.
         cost <= NEGLIGIBLE * self.budget() || self.error + cost <= self.share(s + step.length, left)
+    }
+
+    /// Returns what a shorter step could save, before it is dimmed, of what light is off by because the ray is cut.
+    pub(super) fn cut(&self, step: &Step) -> f64 {
+        let level = self.limits.level;
+        if level >= 1.0 {
+            return 0.0;
+        }
+        let [before, behind] = [1.0, 1.0 - step.opacity].map(|clear| 1.0 - self.transmittance * clear);
+        if !self.limits.emits {
+            return if behind >= level { step.opacity * step.variation } else { 0.0 };
+        }
+        // Light counts as doubtful from where the ray may be cut to where it is for certain: all of that of a step which holds one of these places.
+        let holds = |off: f64| before + off < level && behind + off >= level;
+        if holds(self.error) || holds(-self.error) { step.brightest() } else { 0.0 }
     }
 
     /// True if shorter steps would do no better: most of the error is rounding.
     pub(super) fn is_rounding(&self, step: &Step, s: f64) -> bool {
         let max_light = self.max_light(s);
         let rounding = step.rounding[1] + step.rounding[0] * max_light;
-        step.light_error + step.opacity_error * max_light <= 2.0 * rounding
+        step.light_error + step.opacity_error * max_light + self.cut(step) <= 2.0 * rounding
     }
 
     /// Takes a step from `s` on.
@@ -140,9 +163,13 @@ impl Account {
         let (front, level) = (self.transmittance, self.limits.level);
         let behind = front * (1.0 - step.opacity);
         self.error += front * (step.light_error + step.opacity_error * self.max_light(s));
-        let cut = level < 1.0 && 1.0 - behind >= level;
+        let reaches = level < 1.0 && 1.0 - behind >= level;
         // Of a step that is cut, light goes with opacity.
-        let share = if cut { ((front - (1.0 - level)) / (front * step.opacity)).clamp(0.0, 1.0) } else { 1.0 };
+        let share = match (self.is_cut, reaches) {
+            (true, _) => 0.0,
+            (_, true) => ((front - (1.0 - level)) / (front * step.opacity)).clamp(0.0, 1.0),
+            _ => 1.0,
+        };
         for (sum, light) in self.light.iter_mut().zip(step.light) {
             *sum += front * share * light;
         }
@@ -151,14 +178,22 @@ impl Account {
             self.half_way = s + step.length * if part.is_finite() { part.clamp(0.0, 1.0) } else { 0.0 };
         }
         self.transmittance = behind;
-        if cut {
+        self.is_cut |= reaches;
+        if level < 1.0 && self.limits.emits {
+            if 1.0 - behind + self.error >= level {
+                self.doubtful += front * (step.brightest() + step.light_error);
+            }
+            if 1.0 - behind - self.error >= level {
+                self.ended = true;
+                return;
+            }
+        } else if reaches {
             self.error += front * step.opacity * step.variation;
-            self.transmittance = 1.0 - level;
             self.ended = true;
             return;
         }
         let rest = behind * self.max_light(s + step.length);
-        if self.error + rest <= 0.99 * self.budget() {
+        if self.error + self.doubtful + rest <= 0.99 * self.budget() {
             self.unseen = rest;
             self.ended = true;
         }
@@ -174,7 +209,7 @@ impl Account {
             return;
         };
         let (a, b) = (&mut last.step, &pending.step);
-        let brightest = b.light.into_iter().fold(0.0, f64::max);
+        let brightest = b.brightest();
         a.length += b.length;
         (a.opacity, a.opacity_error) = (0.5, 0.5);
         a.light_error += b.light_error + brightest;
@@ -205,15 +240,25 @@ impl Account {
         self.error += self.transmittance * (light + opacity * self.max_light(self.start));
     }
 
+    /// True if the ray would be known better if its steps were.
+    pub(super) fn is_doubtful(&self) -> bool {
+        self.doubtful > 0.0
+    }
+
+    /// Returns the proven bound.
+    fn bound(&self) -> f64 {
+        self.error + self.doubtful + self.unseen
+    }
+
     /// True if the proven bound exceeds the one asked for.
     pub(super) fn is_over(&self) -> bool {
-        let error = self.error + self.unseen;
+        let error = self.bound();
         error > self.budget() || error.is_nan()
     }
 
     /// Returns the proven bound as a multiple of the one asked for: above 1 where that one is not kept, NaN where nothing is known.
     pub(super) fn overrun(&self) -> f64 {
-        (self.error + self.unseen) / self.budget()
+        self.bound() / self.budget()
     }
 
     /// Settles a pending wall at the end of the ray.
@@ -226,6 +271,6 @@ impl Account {
 
     /// Returns the opacity of the ray.
     pub(super) fn opacity(&self) -> f64 {
-        1.0 - self.transmittance
+        if self.is_cut { self.limits.level } else { 1.0 - self.transmittance }
     }
 }

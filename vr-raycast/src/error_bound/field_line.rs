@@ -4,8 +4,10 @@ use vr_core::Real;
 use vr_core::field::{Chord, Field, FieldLine, LineModel, Poly, Stretch};
 use vr_core::{Clip, Ray};
 
+use super::looks::Looks;
 use super::normals::{Gradients, Normals};
-use super::polynomials::{CubicGradient, Polynomials};
+use super::polynomials::{CubicVector, Polynomials};
+use super::tint::Tint;
 use super::walk::{Course, Jump};
 
 /// Largest number of halvings of a stretch of which the field knows too little.
@@ -18,6 +20,8 @@ pub(super) struct FieldWay<'a> {
     /// Parts of it whose range is known, ascending; none where the field does not tell.
     stretches: Vec<Stretch>,
     gradients: Option<&'a Gradients>,
+    /// True if its places have colours of their own.
+    colored: bool,
     /// Error that is promised.
     error: f64,
 }
@@ -37,7 +41,7 @@ impl<'a> FieldWay<'a> {
         for stretch in &mut stretches {
             (stretch.from, stretch.to) = (stretch.from - chord.offset, stretch.to - chord.offset);
         }
-        Some(Self { line, breakpoints, stretches, gradients, error })
+        Some(Self { line, breakpoints, stretches, gradients, colored: field.has_colors(), error })
     }
 
     pub(super) fn chord(&self) -> Chord {
@@ -115,14 +119,24 @@ impl<'a> FieldWay<'a> {
             gradient.iter().map(|g| g.coefficients()[0].abs() + g.spread(1.0)).fold(0.0, f64::max)
         };
         let gradient = model.gradient.map(|gradient| (gradient, model.gradient_error, steepest(&gradient)));
-        let normals = |_: [f64; 2], cubics: Option<&CubicGradient>| match (self.gradients, cubics) {
-            (None, _) => Normals::Absent,
-            (Some(gradients), Some(cubics)) => gradients.by_cubics(cubics, 0.0),
-            (Some(_), None) => Normals::Unknown,
+        let [from, to] = ends;
+        let colors =
+            self.colored.then(|| self.line.color(from, to)).flatten().map(|color| (color.channels, color.error));
+        let looks = |_: [f64; 2], gradient: Option<&CubicVector>, colors: Option<&CubicVector>| {
+            let normals = match (self.gradients, gradient) {
+                (None, _) => Normals::Absent,
+                (Some(gradients), Some(cubics)) => gradients.by_cubics(cubics, 0.0),
+                (Some(_), None) => Normals::Unknown,
+            };
+            Looks { normals, tint: colors.map_or(Tint::White, |colors| Tint::Along(*colors)) }
         };
         if model.field.is_constant() && model.field_error == 0.0 {
-            let whole = gradient.as_ref().map(|(gradient, off, _)| CubicGradient::whole(gradient, *off));
-            return course.constant(base, || normals(ends, whole.as_ref()), ends[0], ends[1] - ends[0]);
+            // A stretch of one value may change its colours.
+            if colors.as_ref().is_none_or(|(channels, _)| channels.iter().all(Poly::is_constant)) {
+                let gradient = gradient.as_ref().map(|(gradient, off, _)| CubicVector::whole(gradient, *off));
+                let colors = colors.as_ref().map(|(colors, off)| CubicVector::whole(colors, *off));
+                return course.constant(base, || looks(ends, gradient.as_ref(), colors.as_ref()), from, to - from);
+            }
         }
         let pieces = Polynomials {
             field: model.field + Poly::constant(-base),
@@ -132,9 +146,10 @@ impl<'a> FieldWay<'a> {
             limits: model.limits,
             misplaced: ends.map(|at| self.line.misplaced(at)).iter().sum::<f64>() / (ends[1] - ends[0]),
             gradient,
+            colors,
             ends,
             error: self.error,
-            normals: &normals,
+            looks: &looks,
         };
         pieces.hand_over::<R>(course);
     }

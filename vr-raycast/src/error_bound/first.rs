@@ -4,7 +4,7 @@ use vr_core::{Calibration, Real};
 
 use super::blocks::Blocks;
 use super::cubic::Cubic;
-use super::normals::Normals;
+use super::looks::Looks;
 use super::optics::Optics;
 use super::piece_by_piece::Place;
 use super::reflection::RayReflection;
@@ -38,13 +38,13 @@ pub(super) struct FirstSearch<'a> {
 #[derive(Clone, Copy, Debug)]
 struct Hit {
     distance: f64,
-    /// Bounds of the reflected colour.
+    /// Bounds of the colour that is seen.
     colors: [[f64; 2]; 3],
 }
 
 /// Cell in which the threshold is looked for.
 struct Cell {
-    normals: Normals,
+    looks: Looks,
     s: f64,
     length: f64,
     /// Bound of what values are off by.
@@ -96,7 +96,7 @@ impl<'a> FirstSearch<'a> {
     }
 
     /// Returns a place on a part of a cell where the field has a value in a range of calibrated ones, the lower end of which is approached from above alone.
-    fn place(&self, [low, high]: [f64; 2], normals: &Normals, ends: [f64; 2], distance: f64) -> Hit {
+    fn place(&self, [low, high]: [f64; 2], looks: &Looks, ends: [f64; 2], distance: f64) -> Hit {
         let transfer = &self.optics.transfer;
         let mut colors = transfer.at(low).color.map(|c| [c; 2]);
         for segment in transfer.segments().iter().filter(|s| s.to > low && s.from <= high) {
@@ -108,10 +108,9 @@ impl<'a> FirstSearch<'a> {
                 }
             }
         }
-        if let Some(reflection) = &self.reflection {
-            let reflected = reflection.on(normals, ends);
+        if let Some(change) = looks.change(self.reflection.as_ref(), ends) {
             for (c, range) in colors.iter_mut().enumerate() {
-                let lit = reflected.of(&Series::between(range[0], range[1]), c);
+                let lit = change.of(&Series::between(range[0], range[1]), c);
                 *range = lit.range().map(|x| x.max(0.0));
             }
         }
@@ -150,13 +149,13 @@ impl<'a> FirstSearch<'a> {
             } else {
                 [self.threshold; 2]
             };
-            let place = self.place(values, &cell.normals, [ends[0]; 2], distance);
+            let place = self.place(values, &cell.looks, [ends[0]; 2], distance);
             return self.reach(place);
         }
         if high - low <= 4.0 * cell.off || halvings >= MAX_HALVINGS {
             let top = (self.threshold + slope * (high + cell.off).max(0.0)).next_up();
             let values = [self.threshold, if is_entry { top } else { self.threshold }];
-            let place = self.place(values, &cell.normals, ends, distance);
+            let place = self.place(values, &cell.looks, ends, distance);
             self.doubt = Some(self.or_doubt(place));
             return;
         }
@@ -214,21 +213,20 @@ impl Course for FirstSearch<'_> {
     /// Does nothing: places are not what a pixel depends on.
     fn jump(&mut self, _: &Jump) {}
 
-    fn constant(&mut self, stored: f64, normals: impl FnOnce() -> Normals, s: f64, length: f64) {
+    fn constant(&mut self, stored: f64, looks: impl FnOnce() -> Looks, s: f64, length: f64) {
         self.steps += 1;
         self.follows(s);
         self.end = s + length;
         let value = self.optics.calibration.value(stored);
         if value >= self.threshold {
-            let normals = normals();
-            let place = self.place([value; 2], &normals, [0.0; 2], s);
+            let place = self.place([value; 2], &looks(), [0.0; 2], s);
             self.reach(place);
         } else {
             self.settle();
         }
     }
 
-    fn cell<R: Real>(&mut self, cubic: Cubic<R>, place: Place, normals: impl FnOnce() -> Normals, s: f64, length: f64) {
+    fn cell<R: Real>(&mut self, cubic: Cubic<R>, place: Place, looks: impl FnOnce() -> Looks, s: f64, length: f64) {
         let follows = self.follows(s);
         self.end = s + length;
         // Roundings of the interpolation and of the position, as for integrals, of halving, and of the threshold.
@@ -237,7 +235,7 @@ impl Course for FirstSearch<'_> {
             + 2.0 * f64::EPSILON * (place.base.abs() + self.stored.abs())
             + self.optics.knot_error;
         let above = Cubic(cubic.0.map(|b| self.sign * ((place.base - self.stored) + b.to_f64())));
-        let cell = Cell { normals: normals(), s, length, off, follows };
+        let cell = Cell { looks: looks(), s, length, off, follows };
         self.part(&cell, Part { above, ends: [0.0, 1.0], halvings: 0 });
     }
 }

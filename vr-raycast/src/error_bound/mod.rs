@@ -7,10 +7,12 @@ mod crossed;
 mod cubic;
 mod field_line;
 mod first;
+mod looks;
 mod modulation;
 mod normals;
 pub(crate) mod optics;
 mod packets;
+mod picked_color;
 mod picks;
 mod piece_by_piece;
 mod polynomials;
@@ -19,6 +21,7 @@ mod reflection;
 mod seeded;
 mod series;
 mod step;
+mod tint;
 mod walk;
 mod wide_cells;
 
@@ -30,25 +33,27 @@ use vr_core::field::Chord;
 use vr_core::filter::Lattice;
 use vr_core::image_order::ImageSample;
 use vr_core::{
-    Compositing, Counts, Feature, Filter, GridVolume, IndexRay, LatticeVisitor, Layer, Ray, Rays, Real, RenderError,
+    ColorGrid, Compositing, Counts, Filter, GridVolume, IndexRay, LatticeVisitor, Layer, Ray, Rays, Real, RenderError,
     Scene, View, Volume, Voxel,
 };
 use vr_kernels::vector::LANES;
 
-use crate::capabilities::unsupported;
 use crate::source::Source;
 use crate::tracer::{RaySample, Tracer};
 use account::{Account, Limits};
 use blocks::Blocks;
 use field_line::FieldWay;
 use first::FirstSearch;
+use looks::Looks;
 use modulation::Modulation;
 use normals::Gradients;
 use optics::Optics;
 use packets::{BoundedPackets, PacketView};
+use picked_color::PlacesOfExtreme;
 use picks::{Search, Wanted};
 use piece_by_piece::Integral;
 use reflection::{RayReflection, Reflection};
+use tint::VoxelColors;
 use walk::{Course, Medium};
 
 /// Tables of a scene whose pictures keep a bound of the error.
@@ -67,6 +72,8 @@ pub(crate) struct ErrorBound {
     resolution: f64,
     level: f64,
     sought: Sought,
+    /// True if places have colours of their own.
+    colored: bool,
 }
 
 /// Volume that rays go through.
@@ -81,6 +88,8 @@ enum Body {
 #[derive(Clone, Debug)]
 struct Grid {
     volume: Arc<GridVolume>,
+    /// `None` where voxels have no colours of their own.
+    colors: Option<Arc<ColorGrid>>,
     blocks: Blocks,
     /// Packets; `None` where rays go one by one.
     packets: Option<BoundedPackets>,
@@ -97,29 +106,12 @@ enum Sought {
 }
 
 impl ErrorBound {
-    /// Checks that there are bounds for a scene. Returns the level at which light ends.
-    ///
-    /// # Errors
-    /// [`RenderError::Unsupported`] for what there is no bound for: emission given on its own under accumulate.
-    pub(crate) fn check(scene: &Scene) -> Result<f64, RenderError> {
-        let without =
-            |what: String| Err(unsupported(Feature::MaxError, format!("a promised error (max-error) {what}")));
+    /// Prepares a scene for pictures of a largest error, by packets on vectors of a level where they are given.
+    pub(crate) fn new(error: f64, scene: &Scene, source: &Source, vectors: Option<Level>) -> Self {
         let level = match scene.compositing {
             Compositing::Accumulate { level } => level,
             _ => 1.0,
         };
-        if level < 1.0 && scene.transfer.has_emission() {
-            return without("with emission given on its own under compositing 'accumulate'".to_owned());
-        }
-        Ok(level)
-    }
-
-    /// Prepares a scene for pictures of a largest error, by packets on vectors of a level where they are given.
-    ///
-    /// # Errors
-    /// Same as for [`Self::check`].
-    pub(crate) fn new(error: f64, scene: &Scene, source: &Source, vectors: Option<Level>) -> Result<Self, RenderError> {
-        let level = Self::check(scene)?;
         let calibration = source.calibration();
         let largest = match source.grid() {
             Some(volume) => {
@@ -149,23 +141,31 @@ impl ErrorBound {
             None => Body::Field(scene.volume.clone()),
             Some(volume) => {
                 let blocks = Blocks::new(volume, &optics);
-                let in_packets = level >= 1.0 && matches!(sought, Sought::Light) && modulation.is_none();
+                let colors = scene.volume.colors().cloned();
+                let in_packets =
+                    level >= 1.0 && matches!(sought, Sought::Light) && modulation.is_none() && colors.is_none();
                 let packets = vectors.filter(|_| in_packets).and_then(|level| {
                     let reflected = reflection.as_ref().zip(gradients.as_ref());
                     BoundedPackets::new(level, volume, &optics, reflected)
                 });
-                Body::Grid(Box::new(Grid { volume: Arc::clone(volume), blocks, packets }))
+                Body::Grid(Box::new(Grid { volume: Arc::clone(volume), colors, blocks, packets }))
             }
         };
         let resolution = 0.1 * error / picks::steepest(&scene.transfer, calibration);
-        Ok(Self { body, optics, gradients, reflection, modulation, error, resolution, level, sought })
+        let colored = scene.volume.has_colors();
+        Self { body, optics, gradients, reflection, modulation, error, resolution, level, sought, colored }
     }
 
     /// Error that a ray may have: less what storing a pixel as f32 takes.
     fn ray_error(&self) -> f64 {
         let error = self.error * (1.0 - 1e-3) - f64::from(f32::EPSILON);
-        // A ray that is cut: see the README.
-        if self.level < 1.0 { error / 3.0 } else { error }
+        // A ray that is cut where light goes with opacity: see the README.
+        if self.level < 1.0 && !self.cuts_emission() { error / 3.0 } else { error }
+    }
+
+    /// True if rays are cut at a level of opacity, and gather light that does not go with opacity.
+    fn cuts_emission(&self) -> bool {
+        self.level < 1.0 && self.optics.emits
     }
 
     /// Prepares packets for a view, where there are any.
@@ -178,6 +178,7 @@ impl ErrorBound {
     fn limits(&self) -> Limits {
         Limits {
             error: self.ray_error(),
+            of_steps: 1.0,
             level: self.level,
             brightest: self.reflection.as_ref().map_or(self.optics.brightest, |reflection| reflection.brightest),
             emits: self.optics.emits,
@@ -302,13 +303,30 @@ impl BoundedRays<'_> {
 
     /// Picks the value of a ray.
     fn picked(&self, way: &Way<'_>, wanted: Wanted, counts: &mut Counts) -> RaySample {
-        let (search, certain) = self.walk::<f64, _>(way, Search::new(wanted, self.error_bound.resolution));
+        let ErrorBound { optics, resolution, colored, .. } = self.error_bound;
+        let (search, certain) = self.walk::<f64, _>(way, Search::new(wanted, *resolution, *colored));
         counts.samples += search.steps;
         let Some(stored) = search.stored() else { return RaySample::NOTHING };
-        let Optics { transfer, calibration, .. } = &self.error_bound.optics;
-        let (rgba, off) = picks::pixel(transfer, *calibration, stored);
+        let Optics { transfer, calibration, .. } = optics;
+        let (mut rgba, mut off) = picks::pixel(transfer, *calibration, stored);
+        if *colored {
+            let (color, color_off) = self.color_of(way, &search, counts);
+            for (light, color) in rgba.iter_mut().zip(color) {
+                *light *= color;
+            }
+            off += transfer.brightest_color() * color_off;
+        }
         self.judge(off, certain, counts);
         RaySample { rgba: rgba.map(|x| x as f32), depth: (search.distance + way.chord().offset) as f32 }
+    }
+
+    /// Returns the colour of the place where a value was picked, or the mean of all, and a bound of what its channels are off by.
+    fn color_of(&self, way: &Way<'_>, search: &Search, counts: &mut Counts) -> ([f64; 3], f64) {
+        let Some(extreme) = search.extreme() else { return search.mean_color() };
+        // All places at which the true extreme may be.
+        let (places, _) = self.walk::<f64, _>(way, PlacesOfExtreme::new(extreme, self.error_bound.error));
+        counts.samples += places.steps;
+        (extreme.color, places.largest_difference())
     }
 
     /// Shows the first place of a ray where the field reaches a threshold.
@@ -334,9 +352,11 @@ impl BoundedRays<'_> {
     }
 
     fn both_stages(&self, ray: &BoundedRay<'_>, single: &mut Tries, counts: &mut Counts) -> Account {
+        // Where a ray is cut depends on what its steps are off by. With an emission, its light does, by more than that.
+        let of_steps = if self.error_bound.cuts_emission() { 0.3 } else { 1.0 };
         if self.single && single.is_worth_while() {
             single.tried += 1;
-            let (account, kept) = self.integrated::<f32>(ray);
+            let (account, kept) = self.integrated::<f32>(ray, of_steps);
             counts.samples += account.steps;
             if kept {
                 return account;
@@ -344,7 +364,16 @@ impl BoundedRays<'_> {
             single.failed += 1;
         }
         counts.repeated += u64::from(self.single);
-        let (account, kept) = self.integrated::<f64>(ray);
+        let (mut account, mut kept) = self.integrated::<f64>(ray, of_steps);
+        for of_steps in [0.03, 0.003, 3e-4] {
+            if kept || !account.is_doubtful() {
+                break;
+            }
+            counts.repeated += 1;
+            let steps = account.steps;
+            (account, kept) = self.integrated::<f64>(ray, of_steps);
+            account.steps += steps;
+        }
         if !kept {
             counts.count_unbounded(self.error_bound.error * account.overrun());
         }
@@ -352,15 +381,15 @@ impl BoundedRays<'_> {
         account
     }
 
-    /// Integrates a ray in one precision. Also returns true if its bound is kept.
-    fn integrated<R: Real>(&self, ray: &BoundedRay<'_>) -> (Account, bool) {
+    /// Integrates a ray in one precision, with steps that may have a share of the error. Also returns true if its bound is kept.
+    fn integrated<R: Real>(&self, ray: &BoundedRay<'_>, of_steps: f64) -> (Account, bool) {
         let (error_bound, &BoundedRay { ref way, ref reflection, backdrop }) = (self.error_bound, ray);
         let Chord { start, end, .. } = way.chord();
-        let account = Account::new(error_bound.limits(), start, end, backdrop);
-        let by_gradient = (reflection.clone(), error_bound.modulation.as_ref());
+        let account = Account::new(Limits { of_steps, ..error_bound.limits() }, start, end, backdrop);
+        let by_place = (reflection.clone(), error_bound.modulation.as_ref(), Looks::unknown(error_bound.colored));
         // Only f32 has something better to turn to.
         let gives_up = R::ROUNDOFF > f64::EPSILON;
-        let integral = Integral::new(&error_bound.optics, by_gradient, account, gives_up);
+        let integral = Integral::new(&error_bound.optics, by_place, account, gives_up);
         let (mut integral, certain) = self.walk::<R, _>(way, integral);
         integral.account.finish();
         if !certain {
@@ -437,6 +466,7 @@ impl<R: Real, C: Course> LatticeVisitor for GridWalk<'_, R, C> {
             volume: &grid.volume,
             blocks: &grid.blocks,
             gradients: error_bound.gradients.as_ref(),
+            colors: grid.colors.as_deref().map(VoxelColors::new),
             error: error_bound.error,
         };
         walk::along::<R, T>(&medium, part, &mut course);

@@ -6,7 +6,7 @@ use vr_core::{GradientMethod, GridVolume, Scene, Voxel, gradient_at_sample};
 use super::cone::Corners;
 use super::crossed::Crossed;
 use super::cubic::Cubic;
-use super::polynomials::CubicGradient;
+use super::polynomials::CubicVector;
 use super::series::Series;
 
 /// Gradients of a grid: how they are found.
@@ -122,8 +122,8 @@ impl Gradients {
     }
 
     /// Returns the gradient along a cell by cubics per index step, which are sums of numbers of at most `reach`.
-    pub(super) fn by_cubics(&self, cubics: &CubicGradient, reach: f64) -> Normals {
-        let (rows, CubicGradient { powers: per_index, off }) = (&self.to_world, cubics);
+    pub(super) fn by_cubics(&self, cubics: &CubicVector, reach: f64) -> Normals {
+        let (rows, CubicVector { powers: per_index, off }) = (&self.to_world, cubics);
         let world: [[f64; 4]; 3] =
             rows.map(|row| std::array::from_fn(|k| (0..3).map(|a| row[a] * per_index[a][k]).sum::<f64>()));
         let gain = rows.iter().map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);

@@ -5,8 +5,10 @@ use vr_core::{Calibration, Compositing, Real, TransferFunction};
 
 use super::blocks::Blocks;
 use super::cubic::Cubic;
-use super::normals::Normals;
+use super::looks::Looks;
+use super::picked_color::Extreme;
 use super::piece_by_piece::Place;
+use super::tint::Tint;
 use super::walk::{Course, Jump};
 
 /// Value that is picked from a ray.
@@ -26,6 +28,9 @@ pub(super) struct Search {
     /// Largest value found, times the sign, and its distance.
     found: f64,
     pub(super) distance: f64,
+    /// True if places have colours of their own; and that of the value found, with what it is off by.
+    colored: bool,
+    color: ([f64; 3], f64),
     /// Bounds of the largest value that there is.
     at_least: f64,
     at_most: f64,
@@ -35,6 +40,9 @@ pub(super) struct Search {
     length: f64,
     /// Error of `length`.
     length_off: f64,
+    /// Integrals of the colours and of what they are off by.
+    colors: [f64; 3],
+    colors_off: f64,
     pub(super) steps: u64,
 }
 
@@ -53,7 +61,7 @@ impl Wanted {
 }
 
 impl Search {
-    pub(super) fn new(wanted: Wanted, resolution: f64) -> Self {
+    pub(super) fn new(wanted: Wanted, resolution: f64, colored: bool) -> Self {
         let none = f64::NEG_INFINITY;
         let (integral, off, length, length_off) = (0.0, 0.0, 0.0, 0.0);
         Self {
@@ -61,12 +69,16 @@ impl Search {
             resolution,
             found: none,
             distance: f64::INFINITY,
+            colored,
+            color: ([1.0; 3], 0.0),
             at_least: none,
             at_most: none,
             integral,
             off,
             length,
             length_off,
+            colors: [0.0; 3],
+            colors_off: 0.0,
             steps: 0,
         }
     }
@@ -88,13 +100,37 @@ impl Search {
         }
     }
 
-    /// Takes a value at a distance, times the sign, that is off by `off` at most, and nowhere nearby beyond `limit`.
-    fn take(&mut self, value: f64, off: f64, limit: f64, s: f64) {
-        if value > self.found {
+    /// Returns the extreme that was found; `None` if none was looked for.
+    pub(super) fn extreme(&self) -> Option<Extreme> {
+        let Wanted::Extreme(sign) = self.wanted else { return None };
+        let (color, color_off) = self.color;
+        Some(Extreme { sign, at_least: self.at_least, color, color_off })
+    }
+
+    /// Returns the mean colour, and a bound of what its channels are off by.
+    pub(super) fn mean_color(&self) -> ([f64; 3], f64) {
+        let off = (self.colors_off + self.length_off) / self.length + f64::EPSILON * (self.steps as f64 + 4.0);
+        (self.colors.map(|sum| sum / self.length), off)
+    }
+
+    /// Takes a value at a distance, times the sign, that is off by `off` at most, and nowhere nearby beyond `limit`. Returns true if it is the best so far.
+    fn take(&mut self, value: f64, off: f64, limit: f64, s: f64) -> bool {
+        let is_best = value > self.found;
+        if is_best {
             (self.found, self.distance) = (value, s);
         }
         self.at_least = self.at_least.max(value - off);
         self.at_most = self.at_most.max((value + off).min(limit));
+        is_best
+    }
+
+    /// Adds the colours of a cell of a length.
+    fn add_colors(&mut self, tint: &Tint, length: f64) {
+        let (color, off) = tint.mean();
+        for (sum, color) in self.colors.iter_mut().zip(color) {
+            *sum += color * length;
+        }
+        self.colors_off += off * length;
     }
 
     /// True if no value of a range can be the one that is picked.
@@ -128,20 +164,28 @@ impl Course for Search {
         let largest = jump.sides.iter().flatten().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
         self.off += jump.misplaced * largest;
         self.length_off += jump.misplaced;
+        self.colors_off += jump.misplaced;
     }
 
-    fn constant(&mut self, stored: f64, _: impl FnOnce() -> Normals, s: f64, length: f64) {
+    fn constant(&mut self, stored: f64, looks: impl FnOnce() -> Looks, s: f64, length: f64) {
         self.steps += 1;
         match self.wanted {
-            Wanted::Extreme(sign) => self.take(sign * stored, 0.0, f64::INFINITY, s),
+            Wanted::Extreme(sign) => {
+                if self.take(sign * stored, 0.0, f64::INFINITY, s) && self.colored {
+                    self.color = looks().tint.at(0.0);
+                }
+            }
             Wanted::Average => {
                 self.integral += stored * length;
                 self.length += length;
+                if self.colored {
+                    self.add_colors(&looks().tint, length);
+                }
             }
         }
     }
 
-    fn cell<R: Real>(&mut self, cubic: Cubic<R>, place: Place, _: impl FnOnce() -> Normals, s: f64, length: f64) {
+    fn cell<R: Real>(&mut self, cubic: Cubic<R>, place: Place, looks: impl FnOnce() -> Looks, s: f64, length: f64) {
         self.steps += 1;
         let cubic = Cubic(cubic.0.map(R::to_f64));
         // Roundings of the interpolation and of the position, as for integrals, and of the cubic's own values and turns.
@@ -154,8 +198,14 @@ impl Course for Search {
                 let reached = |[low, high]: [f64; 2]| (sign * low).max(sign * high);
                 let limit = place.limits.map_or(f64::INFINITY, reached);
                 let turns = cubic.turns().into_iter().flatten();
+                let mut best = None;
                 for t in [0.0, 1.0].into_iter().chain(turns) {
-                    self.take(sign * (place.base + cubic.at(t)), off, limit, s + t * length);
+                    if self.take(sign * (place.base + cubic.at(t)), off, limit, s + t * length) {
+                        best = Some(t);
+                    }
+                }
+                if let Some(t) = best.filter(|_| self.colored) {
+                    self.color = looks().tint.at(t);
                 }
             }
             Wanted::Average => {
@@ -163,6 +213,9 @@ impl Course for Search {
                 self.integral += (place.base + mean) * length;
                 self.off += off * length;
                 self.length += length;
+                if self.colored {
+                    self.add_colors(&looks().tint, length);
+                }
             }
         }
     }

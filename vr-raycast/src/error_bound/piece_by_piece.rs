@@ -5,14 +5,13 @@ use vr_core::Real;
 use super::account::{Account, PendingWall};
 use super::blocks::{Blocks, State};
 use super::cubic::Cubic;
+use super::looks::Looks;
 use super::modulation::{Factor, Modulation};
-use super::normals::Normals;
 use super::optics::{Extremes, Optics, Piece};
-use super::reflection::{RayReflection, Reflected};
+use super::reflection::{ColorChange, RayReflection};
 use super::series::Series;
 use super::step::{
-    ByGradient, Step, coarse, constant, constant_by_gradient, constant_mixture, smooth, smooth_by_gradient,
-    smooth_mixture,
+    ByPlace, Step, coarse, constant, constant_by_place, constant_mixture, smooth, smooth_by_place, smooth_mixture,
 };
 use super::walk::{Course, Jump};
 use crate::root::monotone_root;
@@ -33,6 +32,8 @@ pub(super) struct Integral<'a> {
     pub(super) reflection: Option<RayReflection<'a>>,
     /// `None` where extinction stays as it is.
     modulation: Option<&'a Modulation>,
+    /// Gradient and colours where nothing is known of them.
+    unknown: Looks,
     pub(super) account: Account,
     /// True if it stops once the proven bound is above the one asked for: another instance will do the ray again.
     pub(super) gives_up: bool,
@@ -57,7 +58,7 @@ pub(super) struct Place {
 struct Cell<R> {
     place: Place,
     whole: Cubic<R>,
-    normals: Normals,
+    looks: Looks,
     length: f64,
 }
 
@@ -84,11 +85,11 @@ struct Part<R> {
 impl<'a> Integral<'a> {
     pub(super) fn new(
         optics: &'a Optics,
-        (reflection, modulation): (Option<RayReflection<'a>>, Option<&'a Modulation>),
+        (reflection, modulation, unknown): (Option<RayReflection<'a>>, Option<&'a Modulation>, Looks),
         account: Account,
         gives_up: bool,
     ) -> Self {
-        Self { optics, reflection, modulation, account, gives_up }
+        Self { optics, reflection, modulation, unknown, account, gives_up }
     }
 
     /// True if the bound asked for is kept.
@@ -97,18 +98,12 @@ impl<'a> Integral<'a> {
         !(too_long || self.account.is_over())
     }
 
-    /// Integrates a part, from one fraction of a cell to another, of one extinction and colour, which follow the gradient.
-    fn uniform_part(
-        &mut self,
-        mut medium: Uniform,
-        normals: &Normals,
-        (ends, s, length): ([f64; 2], f64, f64),
-        cuts: u32,
-    ) {
+    /// Integrates a part, from one fraction of a cell to another, of one extinction and colour, which follow the place.
+    fn uniform_part(&mut self, mut medium: Uniform, looks: &Looks, (ends, s, length): ([f64; 2], f64, f64), cuts: u32) {
         if self.is_done() || length <= 0.0 {
             return;
         }
-        let factor = self.factor(normals, ends);
+        let factor = self.factor(looks, ends);
         if factor.is_some_and(|factor| factor.is_nothing()) {
             if !(self.optics.emits && medium.source != [0.0; 3]) {
                 return;
@@ -119,65 +114,65 @@ impl<'a> Integral<'a> {
         let Uniform { stored, rate, source } = medium;
         let enough = self.is_enough(cuts);
         if rate < f64::INFINITY {
-            let reflected = self.reflected(normals, ends);
-            let step = if let Some(shares) = self.shares(normals, ends) {
-                constant_mixture(self.optics, &shares, stored, length, reflected.as_ref())
+            let change = self.change(looks, ends);
+            let step = if let Some(shares) = self.shares(looks, ends) {
+                constant_mixture(self.optics, &shares, stored, length, change.as_ref())
             } else {
                 let factor = factor.as_ref().map(|factor| &factor.series);
-                let gradient = ByGradient { reflected: reflected.as_ref(), factor };
-                constant_by_gradient(self.optics, (rate, source), length, gradient)
+                let by_place = ByPlace { change: change.as_ref(), factor };
+                constant_by_place(self.optics, (rate, source), length, by_place)
             };
-            let step = step.unwrap_or_else(|| self.coarse_uniform(&medium, normals, (ends, length)));
+            let step = step.unwrap_or_else(|| self.coarse_uniform(&medium, looks, (ends, length)));
             if self.account.fits(&step, s) || enough {
                 self.account.take(&step, s);
                 return;
             }
         } else if factor.is_none_or(|factor| factor.is_something()) {
             let light = if self.optics.emits { [0.0; 3] } else { source };
-            return self.wall(light, 0.0, 0.0, (normals, ends[0]), s);
-        } else if enough || normals.is_blurred(ends) {
-            let step = self.coarse_uniform(&medium, normals, (ends, length));
+            return self.wall(light, 0.0, 0.0, (looks, ends[0]), s);
+        } else if enough || looks.normals.is_blurred(ends) {
+            let step = self.coarse_uniform(&medium, looks, (ends, length));
             let before = if self.optics.emits { step.light.into_iter().fold(0.0, f64::max) } else { 0.0 };
-            return self.account.doubt(PendingWall { step, before, spread: 0.0, turn: self.turn(normals, ends) });
+            return self.account.doubt(PendingWall { step, before, spread: 0.0, turn: self.turn(looks, ends) });
         }
         let (half, middle) = (0.5 * length, 0.5 * (ends[0] + ends[1]));
-        self.uniform_part(medium, normals, ([ends[0], middle], s, half), cuts + 1);
-        self.uniform_part(medium, normals, ([middle, ends[1]], s + half, half), cuts + 1);
+        self.uniform_part(medium, looks, ([ends[0], middle], s, half), cuts + 1);
+        self.uniform_part(medium, looks, ([middle, ends[1]], s + half, half), cuts + 1);
     }
 
     /// Returns the step over all that the medium of one stored number may be on a part of a cell.
-    fn coarse_uniform(&self, medium: &Uniform, normals: &Normals, (ends, length): ([f64; 2], f64)) -> Step {
+    fn coarse_uniform(&self, medium: &Uniform, looks: &Looks, (ends, length): ([f64; 2], f64)) -> Step {
         let &Uniform { stored, rate, source } = medium;
         let is_wall = rate == f64::INFINITY;
         let before_wall = if is_wall { 0.0 } else { rate };
         let own = Extremes { rate: [rate; 2], before_wall, source: source.map(|x| [x; 2]), wall: is_wall };
         let extremes = if self.optics.rows.is_empty() { own } else { self.optics.extremes(stored, stored) };
-        coarse(self.optics, &self.by_gradient(&extremes, normals, ends), length, f64::INFINITY)
+        coarse(self.optics, &self.by_place(&extremes, looks, ends), length, f64::INFINITY)
     }
 
     /// Returns the factor on extinction on a part of a cell; `None` where it stays as it is.
-    fn factor(&self, normals: &Normals, ends: [f64; 2]) -> Option<Factor> {
-        self.modulation.and_then(|modulation| modulation.on(normals, ends))
+    fn factor(&self, looks: &Looks, ends: [f64; 2]) -> Option<Factor> {
+        self.modulation.and_then(|modulation| modulation.on(&looks.normals, ends))
     }
 
     /// Returns the shares of the transfer function's rows on a part of a cell; `None` where it has none.
-    fn shares(&self, normals: &Normals, ends: [f64; 2]) -> Option<Vec<(usize, Series)>> {
-        self.modulation.and_then(|modulation| modulation.shares(normals, ends))
+    fn shares(&self, looks: &Looks, ends: [f64; 2]) -> Option<Vec<(usize, Series)>> {
+        self.modulation.and_then(|modulation| modulation.shares(&looks.normals, ends))
     }
 
     /// Returns the change of colours on a part of a cell; `None` where they stay.
-    fn reflected(&self, normals: &Normals, ends: [f64; 2]) -> Option<Reflected> {
-        self.reflection.as_ref().map(|reflection| reflection.on(normals, ends))
+    fn change(&self, looks: &Looks, ends: [f64; 2]) -> Option<ColorChange> {
+        looks.change(self.reflection.as_ref(), ends)
     }
 
     /// Ends the ray at a wall, at a fraction of a cell: its colour, the error of that, and how fast it changes with the value.
-    fn wall(&mut self, source: [f64; 3], error: f64, steepness: f64, (normals, at): (&Normals, f64), s: f64) {
-        let Some(reflected) = self.reflected(normals, [at; 2]) else {
+    fn wall(&mut self, source: [f64; 3], error: f64, steepness: f64, (looks, at): (&Looks, f64), s: f64) {
+        let Some(change) = self.change(looks, [at; 2]) else {
             return self.account.wall(source, error, steepness, s);
         };
         let colors =
-            std::array::from_fn::<_, 3, _>(|c| reflected.of(&Series { rest: error, ..Series::constant(source[c]) }, c));
-        let largest = reflected.factor.iter().map(Series::size).fold(0.0, f64::max);
+            std::array::from_fn::<_, 3, _>(|c| change.of(&Series { rest: error, ..Series::constant(source[c]) }, c));
+        let largest = change.factor.iter().map(Series::size).fold(0.0, f64::max);
         let off = colors.iter().map(Series::spread).fold(0.0, f64::max);
         self.account.wall(colors.map(|color| color.c[0].max(0.0)), off, steepness * largest, s);
     }
@@ -187,7 +182,7 @@ impl<'a> Integral<'a> {
         if extremes.wall {
             return false;
         }
-        let extremes = &self.by_gradient(extremes, &Normals::Unknown, [0.0, 1.0]);
+        let extremes = &self.by_place(extremes, &self.unknown, [0.0, 1.0]);
         let step = coarse(self.optics, extremes, length, f64::INFINITY);
         let fits = self.account.fits(&step, s);
         if fits {
@@ -196,16 +191,16 @@ impl<'a> Integral<'a> {
         fits
     }
 
-    /// Returns extremes of a medium that follows the gradient, on a part of a cell.
-    fn by_gradient(&self, extremes: &Extremes, normals: &Normals, ends: [f64; 2]) -> Extremes {
+    /// Returns extremes of a medium that follows its place, on a part of a cell.
+    fn by_place(&self, extremes: &Extremes, looks: &Looks, ends: [f64; 2]) -> Extremes {
         let mut all = *extremes;
-        if let Some(reflected) = self.reflected(normals, ends) {
+        if let Some(change) = self.change(looks, ends) {
             for (c, [low, high]) in all.source.iter_mut().enumerate() {
-                let [[f0, f1], [a0, a1]] = [&reflected.factor[c], &reflected.added[c]].map(Series::range);
+                let [[f0, f1], [a0, a1]] = [&change.factor[c], &change.added[c]].map(Series::range);
                 (*low, *high) = (*low * f0.max(0.0) + a0.max(0.0), *high * f1 + a1);
             }
         }
-        if let Some(Factor { range: [f0, f1], .. }) = self.factor(normals, ends) {
+        if let Some(Factor { range: [f0, f1], .. }) = self.factor(looks, ends) {
             // Nothing is left of a wall times 0.
             let times = |x: f64, factor: f64| if factor <= 0.0 { 0.0 } else { x * factor };
             all.rate = [times(all.rate[0], f0), times(all.rate[1], f1)];
@@ -215,11 +210,10 @@ impl<'a> Integral<'a> {
         all
     }
 
-    /// Returns the largest difference that reflection makes between two places of a part of a cell.
-    fn turn(&self, normals: &Normals, ends: [f64; 2]) -> f64 {
-        self.reflected(normals, ends).map_or(0.0, |reflected| {
-            let width =
-                |c: usize| 2.0 * (reflected.factor[c].spread() * self.optics.brightest + reflected.added[c].spread());
+    /// Returns the largest difference that the change of colours makes between two places of a part of a cell.
+    fn turn(&self, looks: &Looks, ends: [f64; 2]) -> f64 {
+        self.change(looks, ends).map_or(0.0, |change| {
+            let width = |c: usize| 2.0 * (change.factor[c].spread() * self.optics.brightest + change.added[c].spread());
             width(0).max(width(1)).max(width(2))
         })
     }
@@ -236,7 +230,7 @@ impl<'a> Integral<'a> {
         if self.optics.is_clear(min, max) {
             return;
         }
-        let factor = self.factor(&cell.normals, part.ends);
+        let factor = self.factor(&cell.looks, part.ends);
         let nothing = factor.is_some_and(|factor| factor.is_nothing());
         if nothing && !self.optics.emits {
             return;
@@ -250,7 +244,7 @@ impl<'a> Integral<'a> {
             let entry = cell.place.base + part.cubic.0[0].to_f64();
             let light = if optics.emits { [0.0; 3] } else { piece.source_at(entry) };
             let steepness = if optics.emits { 0.0 } else { piece.source_steepness() };
-            self.wall(light, steepness * 5.0 * noise, steepness, (&cell.normals, part.ends[0]), part.s);
+            self.wall(light, steepness * 5.0 * noise, steepness, (&cell.looks, part.ends[0]), part.s);
             return;
         }
         // Take the part as one step if its error is small enough, or shorter steps would not help.
@@ -264,11 +258,13 @@ impl<'a> Integral<'a> {
                 return;
             }
         } else {
-            let extremes = self.by_gradient(&optics.extremes(min, max), &cell.normals, part.ends);
+            let extremes = self.by_place(&optics.extremes(min, max), &cell.looks, part.ends);
             let step = self.coarse_part(&extremes, cell, &part, noise);
             // Shorter parts would hold the same values, for all that is known.
-            let blurred =
-                high - low <= 4.0 * noise && (!(maybe && extremes.wall) || cell.normals.is_blurred(part.ends));
+            let Looks { normals, tint } = &cell.looks;
+            let blurred = high - low <= 4.0 * noise
+                && tint.is_blurred(part.ends)
+                && (!(maybe && extremes.wall) || normals.is_blurred(part.ends));
             if (!extremes.wall && self.account.fits(&step, part.s)) || blurred || self.is_enough(part.cuts) {
                 self.take_anyway(&extremes, step, cell, &part, noise);
                 return;
@@ -308,16 +304,16 @@ impl<'a> Integral<'a> {
         part: &Part<R>,
         (noise, factor): (f64, Option<&Factor>),
     ) -> Option<Step> {
-        let reflected = self.reflected(&cell.normals, part.ends);
-        if let Some(shares) = self.shares(&cell.normals, part.ends) {
+        let change = self.change(&cell.looks, part.ends);
+        if let Some(shares) = self.shares(&cell.looks, part.ends) {
             // All rows have the same pieces.
             let values = (cell.place.base, noise, piece.inside());
-            return smooth_mixture(self.optics, &shares, &part.cubic, values, part.length, reflected.as_ref());
+            return smooth_mixture(self.optics, &shares, &part.cubic, values, part.length, change.as_ref());
         }
-        if reflected.is_some() || factor.is_some() {
-            let gradient = ByGradient { reflected: reflected.as_ref(), factor: factor.map(|f| &f.series) };
+        if change.is_some() || factor.is_some() {
+            let by_place = ByPlace { change: change.as_ref(), factor: factor.map(|f| &f.series) };
             let values = (cell.place.base, noise);
-            return smooth_by_gradient(self.optics, piece, &part.cubic, values, part.length, gradient);
+            return smooth_by_place(self.optics, piece, &part.cubic, values, part.length, by_place);
         }
         let enough = self.account.enough(part.s + part.length);
         smooth(self.optics, piece, &part.cubic, cell.place.base, noise, part.length, enough)
@@ -333,7 +329,7 @@ impl<'a> Integral<'a> {
         if extremes.before_wall.is_finite() {
             return extremes.before_wall * part.length / self.optics.unit;
         }
-        let factor = self.factor(&cell.normals, part.ends).map_or(1.0, |factor| factor.range[1]);
+        let factor = self.factor(&cell.looks, part.ends).map_or(1.0, |factor| factor.range[1]);
         let (low, high) = part.cubic.hull();
         let farthest = |v: f64| {
             let at = |t: f64| (cell.place.base + cell.whole.at(R::from_f64(t)).to_f64() - v).abs() - noise;
@@ -361,7 +357,7 @@ impl<'a> Integral<'a> {
         };
         let spread = high - low + 2.0 * noise;
         // The wall's place decides what it reflects, too.
-        let turn = self.turn(&cell.normals, part.ends);
+        let turn = self.turn(&cell.looks, part.ends);
         self.account.doubt(PendingWall { step, before, spread, turn });
     }
 
@@ -421,7 +417,7 @@ impl<'a> Integral<'a> {
         let noise = self.noise(cell, part.cuts);
         let (low, high) = part.cubic.hull();
         let [min, max] = self.possible(&cell.place, [cell.place.base + low, cell.place.base + high], noise);
-        let extremes = self.by_gradient(&self.optics.extremes(min, max), &cell.normals, part.ends);
+        let extremes = self.by_place(&self.optics.extremes(min, max), &cell.looks, part.ends);
         let step = self.coarse_part(&extremes, cell, &part, noise);
         self.take_anyway(&extremes, step, cell, &part, noise);
     }
@@ -452,7 +448,7 @@ impl Course for Integral<'_> {
     fn jump(&mut self, jump: &Jump) {
         let [mut rate, mut emitted, mut wall] = [0.0, 0.0, 0.0f64];
         for (side, &[low, high]) in jump.sides.iter().enumerate().filter_map(|(i, side)| Some((i, side.as_ref()?))) {
-            let extremes = self.by_gradient(&self.optics.extremes(low, high), &Normals::Unknown, [0.0, 1.0]);
+            let extremes = self.by_place(&self.optics.extremes(low, high), &self.unknown, [0.0, 1.0]);
             rate += extremes.before_wall.min(MAX_DEPTH);
             if self.optics.emits {
                 emitted += extremes.source.iter().map(|s| s[1]).fold(0.0, f64::max);
@@ -464,21 +460,24 @@ impl Course for Integral<'_> {
         self.account.misplace(opacity, emitted * jump.misplaced);
     }
 
-    fn constant(&mut self, stored: f64, normals: impl FnOnce() -> Normals, s: f64, length: f64) {
+    fn constant(&mut self, stored: f64, looks: impl FnOnce() -> Looks, s: f64, length: f64) {
         let (rate, source) = self.optics.exactly(stored);
         if rate == 0.0 && !(self.optics.emits && source != [0.0; 3]) {
             return;
         }
-        let normals = normals();
-        if rate < f64::INFINITY && self.modulation.is_none() && matches!(normals, Normals::Absent) {
-            self.account.take(&constant(self.optics, rate, source, length), s);
-        } else {
-            self.uniform_part(Uniform { stored, rate, source }, &normals, ([0.0, 1.0], s, length), 0);
+        let looks = looks();
+        if rate < f64::INFINITY && self.modulation.is_none() && looks.is_plain() {
+            let step = constant(self.optics, rate, source, length);
+            if self.account.cut(&step) == 0.0 {
+                self.account.take(&step, s);
+                return;
+            }
         }
+        self.uniform_part(Uniform { stored, rate, source }, &looks, ([0.0, 1.0], s, length), 0);
     }
 
-    fn cell<R: Real>(&mut self, cubic: Cubic<R>, place: Place, normals: impl FnOnce() -> Normals, s: f64, length: f64) {
-        let cell = Cell { place, whole: cubic, normals: normals(), length };
+    fn cell<R: Real>(&mut self, cubic: Cubic<R>, place: Place, looks: impl FnOnce() -> Looks, s: f64, length: f64) {
+        let cell = Cell { place, whole: cubic, looks: looks(), length };
         self.part(&cell, Part { cubic, ends: [0.0, 1.0], s, length, cuts: 0 });
     }
 }

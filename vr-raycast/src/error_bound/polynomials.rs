@@ -4,7 +4,7 @@ use vr_core::Real;
 use vr_core::field::Poly;
 
 use super::cubic::Cubic;
-use super::normals::Normals;
+use super::looks::Looks;
 use super::piece_by_piece::Place;
 use super::walk::Course;
 
@@ -14,6 +14,8 @@ const MAX_HALVINGS: u32 = 9;
 pub(super) const MIN_MISS: f64 = 1e-10;
 /// Largest miss of a gradient, relative to its largest component on the piece, and as a share of the error promised.
 const GRADIENT_SHARE: f64 = 0.02;
+/// Largest miss of a colour, as a share of the error promised.
+const COLOR_SHARE: f64 = 0.02;
 
 /// Field along a stretch of a ray, by polynomials of t from −1 to 1.
 pub(super) struct Polynomials<'a> {
@@ -31,26 +33,29 @@ pub(super) struct Polynomials<'a> {
     pub(super) ends: [f64; 2],
     /// Error that is promised.
     pub(super) error: f64,
-    /// Makes the gradient along a part between two distances, of cubics where it is known by polynomials.
-    pub(super) normals: &'a dyn Fn([f64; 2], Option<&CubicGradient>) -> Normals,
+    /// Colours of the places, and a bound of what each channel is off by; `None` where they are not known by polynomials.
+    pub(super) colors: Option<([Poly; 3], f64)>,
+    /// Makes gradient and colours along a part between two distances, of cubics where they are known by polynomials.
+    pub(super) looks: &'a dyn Fn([f64; 2], Option<&CubicVector>, Option<&CubicVector>) -> Looks,
 }
 
-/// Gradient along a part of a stretch, by the powers of a parameter from 0 to 1.
-pub(super) struct CubicGradient {
+/// Three functions along a part of a stretch, such as the components of the gradient or the channels of a colour: by the powers of a parameter from 0 to 1.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CubicVector {
     pub(super) powers: [[f64; 4]; 3],
     /// Bound of what each component is off by.
     pub(super) off: f64,
 }
 
-impl CubicGradient {
-    /// Returns a gradient along a whole stretch, each component of which is off by at most `off`.
-    pub(super) fn whole(gradient: &[Poly; 3], off: f64) -> Self {
-        Self::part(gradient, [-1.0, 1.0], off).0
+impl CubicVector {
+    /// Returns them along a whole stretch, each being off by at most `off`.
+    pub(super) fn whole(components: &[Poly; 3], off: f64) -> Self {
+        Self::part(components, [-1.0, 1.0], off).0
     }
 
-    /// Returns a gradient on a part of [−1, 1], and what its cubics miss.
-    fn part(gradient: &[Poly; 3], part: [f64; 2], off: f64) -> (Self, f64) {
-        let parts = gradient.map(|g| restricted(&g, part));
+    /// Returns them on a part of [−1, 1], and what the cubics miss.
+    fn part(components: &[Poly; 3], part: [f64; 2], off: f64) -> (Self, f64) {
+        let parts = components.map(|component| restricted(&component, part));
         let missed = parts.iter().map(|(_, missed)| *missed).fold(0.0, f64::max);
         (Self { powers: parts.map(|(cubic, _)| cubic.powers()), off: missed + off }, missed)
     }
@@ -77,15 +82,20 @@ impl Polynomials<'_> {
         }
         // What is a little beyond counts, too, as far as the field is off.
         let nearby = [range[0] - 4.0 * off, range[1] + 4.0 * off];
-        let gradient = self.gradient.as_ref().map(|(gradient, off, _)| CubicGradient::part(gradient, part, *off));
+        let gradient = self.gradient.as_ref().map(|(gradient, off, _)| CubicVector::part(gradient, part, *off));
         let turns =
             gradient.as_ref().zip(self.gradient.as_ref()).is_some_and(|((cubics, missed), (_, off, steepest))| {
                 let size = cubics.powers.iter().map(|p| p.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
                 *missed > (GRADIENT_SHARE * self.error * size).max(MIN_MISS * steepest).max(*off)
             });
+        let colors = self.colors.as_ref().map(|(colors, off)| CubicVector::part(colors, part, *off));
+        let fades = colors
+            .as_ref()
+            .zip(self.colors.as_ref())
+            .is_some_and(|((_, missed), (_, off))| *missed > (COLOR_SHARE * self.error).max(MIN_MISS).max(*off));
         let smallest = MIN_MISS.max(4.0 * R::ROUNDOFF) * self.reach;
         let bends = missed > course.resolution(nearby).max(smallest).max(self.off);
-        if halvings < MAX_HALVINGS && (bends || turns) {
+        if halvings < MAX_HALVINGS && (bends || turns || fades) {
             let middle = 0.5 * (a + b);
             self.piece::<R>([a, middle], halvings + 1, course);
             self.piece::<R>([middle, b], halvings + 1, course);
@@ -96,8 +106,9 @@ impl Polynomials<'_> {
         let ends = [at(a), at(b)];
         let Self { base, reach, limits, misplaced, .. } = *self;
         let cubic = Cubic(cubic.0.map(R::from_f64));
-        let normals = || (self.normals)(ends, gradient.as_ref().map(|(cubics, _)| cubics));
-        course.cell(cubic, Place { base, reach, limits, misplaced, off }, normals, ends[0], ends[1] - ends[0]);
+        let cubics = [&gradient, &colors].map(|known| known.as_ref().map(|(cubics, _)| cubics));
+        let looks = || (self.looks)(ends, cubics[0], cubics[1]);
+        course.cell(cubic, Place { base, reach, limits, misplaced, off }, looks, ends[0], ends[1] - ends[0]);
     }
 }
 

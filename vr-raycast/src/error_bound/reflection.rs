@@ -30,14 +30,22 @@ pub(super) struct RayReflection<'a> {
     ray: RayShading<f64>,
 }
 
-/// Change of colours by reflection on a part of a cell: each channel c becomes c · `factor` + `added`.
+/// Change of colours on a part of a cell, by the light that they reflect and by the colours of their places: each channel c becomes c · `factor` + `added`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Reflected {
+pub(super) struct ColorChange {
     pub(super) factor: [Series; 3],
     pub(super) added: [Series; 3],
 }
 
-impl Reflected {
+impl ColorChange {
+    /// That of colours that stay as they are.
+    pub(super) const UNCHANGED: Self = Self { factor: [Series::constant(1.0); 3], added: [Series::constant(0.0); 3] };
+
+    /// Returns the change of colours that are multiplied by those of their places before they reflect light.
+    pub(super) fn of_tinted(&self, tint: &[Series; 3]) -> Self {
+        Self { factor: std::array::from_fn(|c| self.factor[c].product(&tint[c])), ..*self }
+    }
+
     /// Returns the light of a colour's channel.
     pub(super) fn of(&self, color: &Series, channel: usize) -> Series {
         color.product(&self.factor[channel]).plus(&self.added[channel])
@@ -60,12 +68,10 @@ impl Reflection {
 
 impl RayReflection<'_> {
     /// Returns the change of colours on the part [from, to] of a cell, 0 to 1.
-    pub(super) fn on(&self, normals: &Normals, part: [f64; 2]) -> Reflected {
+    pub(super) fn on(&self, normals: &Normals, part: [f64; 2]) -> ColorChange {
         let ray = &self.ray;
         let corners = match normals {
-            Normals::Absent => {
-                return Reflected { factor: [Series::constant(1.0); 3], added: [Series::constant(0.0); 3] };
-            }
+            Normals::Absent => return ColorChange::UNCHANGED,
             Normals::Along { corners, .. } => corners.as_ref(),
             Normals::Unknown => None,
         };
@@ -78,7 +84,8 @@ impl RayReflection<'_> {
             return self.anything();
         }
         let cosine = |v: &[f64; 3]| cosine(&gradient, v, inverse.as_ref(), cone.as_ref());
-        let mut reflected = Reflected { factor: [Series::constant(ray.ambient); 3], added: [Series::constant(0.0); 3] };
+        let mut reflected =
+            ColorChange { factor: [Series::constant(ray.ambient); 3], added: [Series::constant(0.0); 3] };
         for light in &ray.lights {
             let to_light = cosine(&light.to_light);
             // A headlight's half vector is the direction to it.
@@ -90,17 +97,17 @@ impl RayReflection<'_> {
             }
         }
         if self.reflection.is_grey {
-            reflected = Reflected { factor: [reflected.factor[0]; 3], added: [reflected.added[0]; 3] };
+            reflected = ColorChange { factor: [reflected.factor[0]; 3], added: [reflected.added[0]; 3] };
         }
         reflected
     }
 
     /// Returns all that reflection may make of colours.
-    fn anything(&self) -> Reflected {
+    fn anything(&self) -> ColorChange {
         let ray = &self.ray;
         let total = |c: usize| ray.lights.iter().map(|l| l.color[c]).sum::<f64>();
         let factor = |c: usize| (ray.ambient.min(1.0), (ray.ambient + ray.diffuse * total(c)).max(1.0));
-        Reflected {
+        ColorChange {
             factor: std::array::from_fn(|c| Series::between(factor(c).0, factor(c).1)),
             added: std::array::from_fn(|c| Series::between(0.0, ray.specular * total(c))),
         }

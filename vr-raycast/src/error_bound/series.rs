@@ -15,7 +15,7 @@ const MAX_CHANGE: f64 = 0.5;
 
 impl Series {
     /// Returns a constant.
-    pub(super) fn constant(x: f64) -> Self {
+    pub(super) const fn constant(x: f64) -> Self {
         Self { c: [x, 0.0, 0.0, 0.0], rest: 0.0 }
     }
 

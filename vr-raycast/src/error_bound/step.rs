@@ -10,7 +10,7 @@ use vr_core::{OpacityRule, Real};
 
 use super::cubic::Cubic;
 use super::optics::{Extremes, Optics, Piece};
-use super::reflection::Reflected;
+use super::reflection::ColorChange;
 use super::series::Series;
 
 /// Step of a ray, with bounds of its errors.
@@ -30,6 +30,13 @@ pub(super) struct Step {
     pub(super) variation: f64,
     /// Sum of the parts of the two errors that shorter steps would not make smaller: rounding.
     pub(super) rounding: [f64; 2],
+}
+
+impl Step {
+    /// Returns the largest component of the light.
+    pub(super) fn brightest(&self) -> f64 {
+        self.light.into_iter().fold(0.0, f64::max)
+    }
 }
 
 /// Rounding of one step in f64: a few operations.
@@ -359,15 +366,15 @@ pub(super) fn smooth<R: Real>(
     Some(step)
 }
 
-/// Effect of the gradient on the medium of a step.
+/// Effect of gradient and colours of the places on the medium of a step.
 #[derive(Clone, Copy)]
-pub(super) struct ByGradient<'a> {
-    /// Reflection of its light, and the factor on extinction; `None` where these stay as they are.
-    pub(super) reflected: Option<&'a Reflected>,
+pub(super) struct ByPlace<'a> {
+    /// Change of its light, and the factor on extinction; `None` where these stay as they are.
+    pub(super) change: Option<&'a ColorChange>,
     pub(super) factor: Option<&'a Series>,
 }
 
-impl ByGradient<'_> {
+impl ByPlace<'_> {
     /// Returns the step through a medium of an extinction and of colours or emissions that are known as series. `rounding`: the part of their rests that shorter
     /// steps would not make smaller.
     fn step<R: Real>(
@@ -380,46 +387,54 @@ impl ByGradient<'_> {
     ) -> Option<Step> {
         let rate = if let Some(factor) = self.factor { rate.times(factor) } else { rate };
         let depth = Depth::new(optics, rate, length)?;
-        if optics.emits {
-            return with_emission(&depth, &sources, rounding);
-        }
-        let gain = self.reflected.map_or(1.0, |r| r.factor.iter().map(Series::size).fold(0.0, f64::max));
-        Some(with_light(&depth, &self.colors(sources), rounding * gain))
+        let gain = self.change.map_or(1.0, |change| change.factor.iter().map(Series::size).fold(0.0, f64::max));
+        self.with_sources(optics, &depth, sources, rounding * gain)
     }
 
-    fn colors(&self, sources: [Series; 3]) -> [Series; 3] {
-        self.reflected.map_or(sources, |reflected| std::array::from_fn(|c| reflected.of(&sources[c], c)))
+    /// Adds the light of colours or emissions.
+    fn with_sources<R: Real>(
+        &self,
+        optics: &Optics,
+        depth: &Depth<R>,
+        sources: [Series; 3],
+        rounding: f64,
+    ) -> Option<Step> {
+        let sources = self.change.map_or(sources, |change| std::array::from_fn(|c| change.of(&sources[c], c)));
+        if optics.emits {
+            return with_emission(depth, &sources, rounding);
+        }
+        Some(with_light(depth, &sources, rounding))
     }
 }
 
-/// Returns the step along a cubic as [`smooth`] does, of a medium that follows the gradient.
-pub(super) fn smooth_by_gradient<R: Real>(
+/// Returns the step along a cubic as [`smooth`] does, of a medium that follows its place.
+pub(super) fn smooth_by_place<R: Real>(
     optics: &Optics,
     piece: &Piece,
     cubic: &Cubic<R>,
     (base, noise): (f64, f64),
     length: f64,
-    gradient: ByGradient<'_>,
+    by_place: ByPlace<'_>,
 ) -> Option<Step> {
     let c = cubic.about_middle();
     let rate = Rate::along(optics, piece, &c, base, noise)?;
     let sources = sources(piece, &c, base, noise);
-    gradient.step(optics, rate, sources, sources[0].rest, length)
+    by_place.step(optics, rate, sources, sources[0].rest, length)
 }
 
-/// Returns the step through one stored number, of a medium that follows the gradient; `None` where series say nothing.
-pub(super) fn constant_by_gradient(
+/// Returns the step through one stored number, of a medium that follows its place; `None` where series say nothing.
+pub(super) fn constant_by_place(
     optics: &Optics,
     (rate, source): (f64, [f64; 3]),
     length: f64,
-    gradient: ByGradient<'_>,
+    by_place: ByPlace<'_>,
 ) -> Option<Step> {
     let sources = source.map(Series::constant);
-    if gradient.factor.is_none() {
+    if by_place.factor.is_none() {
         // However deep it is.
-        return Some(with_light(&Depth::<f64>::uniform(optics, rate, length), &gradient.colors(sources), 0.0));
+        return by_place.with_sources(optics, &Depth::<f64>::uniform(optics, rate, length), sources, 0.0);
     }
-    gradient.step(optics, Rate::<f64>::uniform(rate), sources, 0.0, length)
+    by_place.step(optics, Rate::<f64>::uniform(rate), sources, 0.0, length)
 }
 
 /// A row of a transfer function on a step: the extinction, and colours or emissions; and its share.
@@ -436,7 +451,7 @@ pub(super) fn smooth_mixture<R: Real>(
     cubic: &Cubic<R>,
     (base, noise, value): (f64, f64, f64),
     length: f64,
-    reflected: Option<&Reflected>,
+    change: Option<&ColorChange>,
 ) -> Option<Step> {
     let c = cubic.about_middle();
     let parts = shares.iter().map(|(row, share)| {
@@ -444,7 +459,7 @@ pub(super) fn smooth_mixture<R: Real>(
         let sources = sources(piece, &c, base, noise);
         Some(Part { rate: Rate::along(optics, piece, &c, base, noise)?, sources, share })
     });
-    mixture(optics, &parts.collect::<Option<Vec<_>>>()?, length, reflected)
+    mixture(optics, &parts.collect::<Option<Vec<_>>>()?, length, change)
 }
 
 /// Returns the step through one stored number, of the rows of a transfer function that have these shares. `None` where series say nothing.
@@ -453,22 +468,17 @@ pub(super) fn constant_mixture(
     shares: &[(usize, Series)],
     stored: f64,
     length: f64,
-    reflected: Option<&Reflected>,
+    change: Option<&ColorChange>,
 ) -> Option<Step> {
     let parts = shares.iter().map(|(row, share)| {
         let (rate, source) = optics.rows[*row].exactly(stored);
         Part { rate: Rate::<f64>::uniform(rate), sources: source.map(Series::constant), share }
     });
-    mixture(optics, &parts.collect::<Vec<_>>(), length, reflected)
+    mixture(optics, &parts.collect::<Vec<_>>(), length, change)
 }
 
 /// Returns the step through a mixture: extinctions and emissions add up, each times its share.
-fn mixture<R: Real>(
-    optics: &Optics,
-    parts: &[Part<'_, R>],
-    length: f64,
-    reflected: Option<&Reflected>,
-) -> Option<Step> {
+fn mixture<R: Real>(optics: &Optics, parts: &[Part<'_, R>], length: f64, change: Option<&ColorChange>) -> Option<Step> {
     let zero = || (Rate::uniform(0.0), [Series::constant(0.0); 3], 0.0);
     let (rate, emissions, rounding) = parts.iter().fold(zero(), |(sum, mut emissions, rounding), part| {
         let own = part.rate.times(part.share);
@@ -476,10 +486,10 @@ fn mixture<R: Real>(
         let mut unshortened = 0.0f64;
         for (c, sum) in emissions.iter_mut().enumerate() {
             let source = &part.sources[c];
+            let color = change.map_or(*source, |change| change.of(source, c));
             let emission = if optics.emits {
-                source.product(part.share)
+                color.product(part.share)
             } else {
-                let color = reflected.map_or(*source, |reflected| reflected.of(source, c));
                 unshortened = unshortened.max((own.error + own.rounding) * color.size() + density.size() * source.rest);
                 density.product(&color).times(1.0 / optics.unit)
             };
@@ -491,7 +501,7 @@ fn mixture<R: Real>(
     // Of a mixture of colours no more is known than that they are colours.
     for part in parts {
         for (c, source) in part.sources.iter().enumerate() {
-            let color = reflected.map_or(*source, |reflected| reflected.of(source, c));
+            let color = change.map_or(*source, |change| change.of(source, c));
             step.variation = step.variation.max(color.size());
         }
     }

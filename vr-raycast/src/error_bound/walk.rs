@@ -6,8 +6,10 @@ use vr_core::{GridVolume, IndexRay, Real, Voxel};
 use super::blocks::{Blocks, EDGE};
 use super::crossed::Crossed;
 use super::cubic::Cubic;
+use super::looks::Looks;
 use super::normals::{Gradients, Normals};
 use super::piece_by_piece::Place;
+use super::tint::{Tint, VoxelColors};
 use super::wide_cells::WideCell;
 
 /// Field that rays go through.
@@ -20,8 +22,17 @@ pub(super) struct Medium<'a, T> {
     pub(super) blocks: &'a Blocks,
     /// `None` where nothing looks at them.
     pub(super) gradients: Option<&'a Gradients>,
+    /// `None` where voxels have no colours of their own.
+    pub(super) colors: Option<VoxelColors<'a>>,
     /// Error that is promised.
     pub(super) error: f64,
+}
+
+impl<T> Medium<'_, T> {
+    /// Returns the colours along a part of a cell that a ray crosses.
+    pub(super) fn tint(&self, crossed: impl FnOnce() -> Crossed) -> Tint {
+        self.colors.as_ref().map_or(Tint::White, |colors| colors.along(&crossed()))
+    }
 }
 
 /// Sum or search along a ray, which takes its blocks and cells in turn, from the eye into the depth.
@@ -41,11 +52,11 @@ pub(super) trait Course {
     /// Takes a place at which the field jumps, begins or ends, and which is known up to a bound: lengths are off by that, not values.
     fn jump(&mut self, jump: &Jump);
 
-    /// Takes a stretch of one stored number. `normals` gives the gradient along it.
-    fn constant(&mut self, stored: f64, normals: impl FnOnce() -> Normals, s: f64, length: f64);
+    /// Takes a stretch of one stored number. `looks` gives gradient and colours along it.
+    fn constant(&mut self, stored: f64, looks: impl FnOnce() -> Looks, s: f64, length: f64);
 
     /// Takes a cell, along which the field is the place's base + `cubic`.
-    fn cell<R: Real>(&mut self, cubic: Cubic<R>, place: Place, normals: impl FnOnce() -> Normals, s: f64, length: f64);
+    fn cell<R: Real>(&mut self, cubic: Cubic<R>, place: Place, looks: impl FnOnce() -> Looks, s: f64, length: f64);
 }
 
 /// Place at which a field jumps, or begins or ends.
@@ -96,10 +107,13 @@ pub(super) fn along<R: Real, T: Voxel>(medium: &Medium<'_, T>, ray: &IndexRay, c
         let crossed = || Crossed::new(ray, cell, [from, next], misplaced);
         match filter {
             Filter::Nearest => {
-                let normals = || gradients.map_or(Normals::Absent, |g| g.along(lattice, &crossed(), true));
-                course.constant(Nearest::value(lattice, middle), normals, from, next - from);
+                let looks = || Looks {
+                    normals: gradients.map_or(Normals::Absent, |g| g.along(lattice, &crossed(), true)),
+                    tint: medium.tint(crossed),
+                };
+                course.constant(Nearest::value(lattice, middle), looks, from, next - from);
             }
-            Filter::Trilinear => trilinear::<R, T>(lattice, gradients, &crossed(), [from, next], course),
+            Filter::Trilinear => trilinear::<R, T>(medium, &crossed(), [from, next], course),
             Filter::BSpline | Filter::CatmullRom | Filter::Gaussian => {
                 WideCell::new(medium, ray, cell, misplaced).cross::<R>([from, next], course);
             }
@@ -108,13 +122,13 @@ pub(super) fn along<R: Real, T: Voxel>(medium: &Medium<'_, T>, ray: &IndexRay, c
 }
 
 fn trilinear<R: Real, T: Voxel>(
-    lattice: &Lattice<'_, T>,
-    gradients: Option<&Gradients>,
+    medium: &Medium<'_, T>,
     crossed: &Crossed,
     [from, to]: [f64; 2],
     course: &mut impl Course,
 ) {
     let &Crossed { cell, misplaced, .. } = crossed;
+    let Medium { lattice, gradients, .. } = medium;
     let [row, slice] = [lattice.dims[0], lattice.dims[0] * lattice.dims[1]];
     let o = lattice.offset(cell[0], cell[1], cell[2]);
     let samples = &lattice.samples[o..];
@@ -125,9 +139,12 @@ fn trilinear<R: Real, T: Voxel>(
         [corner(0), corner(1), corner(row), corner(row + 1), corner(slice), corner(slice + 1), corner(slice + row), c7];
     let (low, high) = c.iter().fold((c[0], c[0]), |(l, h), &x| (l.min(x), h.max(x)));
     let base = f64::from(c[0]);
-    let normals = || gradients.map_or(Normals::Absent, |gradients| gradients.along(lattice, crossed, false));
+    let looks = || Looks {
+        normals: gradients.map_or(Normals::Absent, |gradients| gradients.along(lattice, crossed, false)),
+        tint: medium.tint(|| *crossed),
+    };
     if low == high {
-        course.constant(base, normals, from, to - from);
+        course.constant(base, looks, from, to - from);
         return;
     }
     if course.passes_values([f64::from(low), f64::from(high)]) {
@@ -139,7 +156,7 @@ fn trilinear<R: Real, T: Voxel>(
     let cubic = Cubic::across_box(c.map(|x| R::from_f32(x) - start), &part);
     // In a face, as far as rounding can tell, some samples have no weight.
     let limits = (!crossed.in_face).then_some([f64::from(low), f64::from(high)]);
-    course.cell(cubic, Place { base, reach, limits, misplaced, off: 0.0 }, normals, from, to - from);
+    course.cell(cubic, Place { base, reach, limits, misplaced, off: 0.0 }, looks, from, to - from);
 }
 
 /// Returns the largest error of positions along a ray, in cells: a few units in the last place of the largest numbers that they are made of.

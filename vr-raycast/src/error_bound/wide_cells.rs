@@ -6,8 +6,10 @@ use vr_core::filter::{BSplineTaps, CatmullRomTaps, Filter, GaussianTaps};
 use vr_core::{IndexRay, Real, Voxel};
 
 use super::crossed::Crossed;
+use super::looks::Looks;
 use super::normals::{Gradients, Normals};
-use super::polynomials::{CubicGradient, MIN_MISS, Polynomials};
+use super::polynomials::{CubicVector, MIN_MISS, Polynomials};
+use super::tint::Tint;
 use super::walk::{Course, Medium};
 
 /// Share of a miss that does not matter that each of the last coefficients may have: there are twelve.
@@ -39,7 +41,8 @@ impl<'a, T: Voxel> WideCell<'a, T> {
         let base: f64 = lattice.at(self.cell[0], self.cell[1], self.cell[2]);
         let [low, high] = self.range();
         if low == high {
-            return course.constant(base, || self.flat_normals(ends), from, to - from);
+            let looks = || Looks { normals: self.flat_normals(ends), tint: self.tint(ends) };
+            return course.constant(base, looks, from, to - from);
         }
         let bounds = match filter {
             Filter::CatmullRom => {
@@ -66,7 +69,7 @@ impl<'a, T: Voxel> WideCell<'a, T> {
             return;
         }
         let differences = gradients.filter(|gradients| !gradients.analytic).map(|_| self.differences());
-        let normals = |ends: [f64; 2], cubics: Option<&CubicGradient>| {
+        let normals = |ends: [f64; 2], cubics: Option<&CubicVector>| {
             let Some(gradients) = gradients else { return Normals::Absent };
             if let Some(differences) = &differences {
                 return self.between(gradients, differences, ends);
@@ -82,6 +85,10 @@ impl<'a, T: Voxel> WideCell<'a, T> {
         let reach = 3.0 * reach;
         let displaced = 12.0 * STEEPEST * self.misplaced * reach;
         let gradient = along.gradient.map(|(gradient, off)| (gradient, off.value() + displaced, STEEPEST * reach));
+        let looks = |ends: [f64; 2], cubics: Option<&CubicVector>, _: Option<&CubicVector>| Looks {
+            normals: normals(ends, cubics),
+            tint: self.tint(ends),
+        };
         let pieces = Polynomials {
             field: along.field,
             off: along.error.value(),
@@ -90,9 +97,10 @@ impl<'a, T: Voxel> WideCell<'a, T> {
             limits: None,
             misplaced: STEEPEST * self.misplaced,
             gradient,
+            colors: None,
             ends,
             error: self.medium.error,
-            normals: &normals,
+            looks: &looks,
         };
         pieces.hand_over::<R>(course);
     }
@@ -136,6 +144,11 @@ impl<'a, T: Voxel> WideCell<'a, T> {
     fn differences(&self) -> [[f64; 3]; 8] {
         let corner = |i: usize| std::array::from_fn(|a| self.cell[a] + (i >> a & 1));
         std::array::from_fn(|i| self.medium.volume.central_differences_at_sample(corner(i)))
+    }
+
+    /// Returns the colours along a part of the cell between two distances.
+    fn tint(&self, ends: [f64; 2]) -> Tint {
+        self.medium.tint(|| self.crossed(ends))
     }
 
     fn crossed(&self, ends: [f64; 2]) -> Crossed {

@@ -265,7 +265,7 @@ fn random_scenes_of_other_volumes() {
     let points = [
         ("points", scenes(24, 40, strategies::point_scene())),
         ("shaded points", scenes(25, 25, strategies::shaded_point_scene())),
-        ("means of points", scenes(26, 25, strategies::tame_mixed_point_scene())),
+        ("means and colours of points", scenes(26, 40, strategies::tame_mixed_point_scene())),
     ];
     for (name, tests) in kinds.into_iter().chain(points) {
         let mut tally = Tally::default();
@@ -274,6 +274,56 @@ fn random_scenes_of_other_volumes() {
         }
         tally.check(name, 20);
     }
+}
+
+/// Voxels with colours of their own, from the same all over to another at each voxel: every operator, jumps, walls, missing voxels, labels, shading, opacity by the gradient, emission,
+/// every filter.
+#[test]
+fn random_scenes_of_colored_voxels() {
+    let kinds = [
+        Kind::Plain,
+        Kind::Jumps,
+        Kind::Opaque,
+        Kind::Holes,
+        Kind::Constants,
+        Kind::Labels,
+        Kind::GradientOpacity,
+        Kind::Emission,
+        Kind::Lights,
+        Kind::First,
+        Kind::Average,
+        Kind::Extrema,
+        Kind::Accumulate,
+        Kind::Filters,
+    ];
+    let mut next = random(29);
+    for kind in kinds {
+        let mut tally = Tally::default();
+        for TestScene { scene, view, .. } in scenes(28, 25, kind.scenes()) {
+            let Volume::Grid(values) = &scene.volume else { panic!("these kinds are of grids") };
+            let change = if next() < 0.2 { 0.0 } else { next() };
+            let voxels = values.dims().iter().product();
+            let channels = [(); 3].map(|()| {
+                let all = next();
+                (0..voxels).map(|_| (65535.0 * (all + change * (next() - all))) as u16).collect()
+            });
+            let colors = ColorGrid::new(values.as_ref().clone(), channels).unwrap();
+            tally.add([1e-2, 1e-3, 1e-5], &Scene { volume: colors.into(), ..scene }, &view);
+        }
+        tally.check(kind.name(), 60);
+    }
+}
+
+/// Light of emissions up to a level of opacity: light and opacity have nothing to do with each other, so that where a ray is cut matters.
+#[test]
+fn random_scenes_of_cut_emission() {
+    let mut tally = Tally::default();
+    let mut next = random(31);
+    for TestScene { scene, view, .. } in scenes(30, 150, Kind::Emission.scenes()) {
+        let scene = Scene { compositing: Compositing::Accumulate { level: 0.02 + 0.9 * next() }, ..scene };
+        tally.add([1e-2, 1e-3, 1e-5], &scene, &view);
+    }
+    tally.check("emission up to a level", 450);
 }
 
 /// Light that is reflected where the field is flat but for a few samples, as scans in bytes are: gradients go to 0 on the way into most cells.
@@ -472,19 +522,10 @@ fn the_picture_does_not_depend_on_threads() {
 }
 
 #[test]
-fn what_has_no_bound_at_all_is_refused() {
+fn what_asks_for_no_bound_is_refused() {
     let control = Control::default();
     let scene = Scene::new(volume([3; 3], |x, _, _| x / 2.0), homogeneous(0.1));
-    let refused = |scene: &Scene| match promising(1e-3).prepare(scene, &control) {
-        Err(RenderError::Unsupported(Unsupported { what: feature, .. })) => feature,
-        other => panic!("{:?}", other.err()),
-    };
-    let emitting = ControlPoint { emission: Some([1.0; 3]), ..ControlPoint::new(0.0, [0.0; 3], 0.1) };
-    let emitting = TransferFunction::new(vec![emitting], OpacityRule::Power, 1.0).unwrap();
-    let accumulate = Compositing::Accumulate { level: 0.5 };
-    let emitting = Scene { compositing: accumulate, transfer: Arc::new(emitting), ..scene.clone() };
-    assert!(refused(&emitting).contains("emission"));
-    // The floor.
+    // Below the floor.
     for error in [9e-7, 0.0, -1.0, f64::NAN, f64::INFINITY] {
         let Err(RenderError::Option(e)) = promising(error).prepare(&scene, &control) else { panic!("{error}") };
         let e = e.to_string();
