@@ -15,7 +15,6 @@ use vr_io::{
     SceneFile, SceneFileError, SceneMesh, TransferSection, VolumeSection, VolumeSource,
 };
 use vr_mesh::Surface;
-use vr_physics::Reference;
 
 use crate::args::{Fit, QUALITY, Quality, RendererArgs, ReplaceArgs, SceneArgs};
 use crate::console::Console;
@@ -239,8 +238,7 @@ impl Setup {
         let name = args.renderer.as_deref().unwrap_or(own_name);
         let renderer = renderers::named(name).map_err(|e| complaint(args.renderer.is_some(), e))?;
         if args.renderer.is_none() && self.renderer.is_none() && name != usual {
-            let slow = if name == Reference::NAME { "; it is slow" } else { "" };
-            console.note(&format!("renderer {name}, since {usual} cannot bound the error of this scene{slow}"));
+            console.note(&format!("renderer {name}, since {usual} cannot bound the error of this scene"));
         }
         // Another renderer than the scene file's: the options there are not for it.
         let is_own = name == own_name;

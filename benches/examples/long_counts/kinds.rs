@@ -20,6 +20,7 @@ fn all() -> Vec<Drawn> {
     kinds
         .chain([
             ("rows by gradient", strategies::gradient_row_scene().boxed()),
+            ("coloured voxels", strategies::colored_grid_scene().boxed()),
             ("points", strategies::point_scene().boxed()),
             ("shaded points", strategies::shaded_point_scene().boxed()),
             ("means of points", strategies::tame_mixed_point_scene().boxed()),

@@ -276,42 +276,14 @@ fn random_scenes_of_other_volumes() {
     }
 }
 
-/// Voxels with colours of their own, from the same all over to another at each voxel: every operator, jumps, walls, missing voxels, labels, shading, opacity by the gradient, emission,
-/// every filter.
+/// Voxels with colours of their own: every operator, jumps, walls, missing voxels, labels, shading, opacity by the gradient, emission, every filter.
 #[test]
 fn random_scenes_of_colored_voxels() {
-    let kinds = [
-        Kind::Plain,
-        Kind::Jumps,
-        Kind::Opaque,
-        Kind::Holes,
-        Kind::Constants,
-        Kind::Labels,
-        Kind::GradientOpacity,
-        Kind::Emission,
-        Kind::Lights,
-        Kind::First,
-        Kind::Average,
-        Kind::Extrema,
-        Kind::Accumulate,
-        Kind::Filters,
-    ];
-    let mut next = random(29);
-    for kind in kinds {
-        let mut tally = Tally::default();
-        for TestScene { scene, view, .. } in scenes(28, 25, kind.scenes()) {
-            let Volume::Grid(values) = &scene.volume else { panic!("these kinds are of grids") };
-            let change = if next() < 0.2 { 0.0 } else { next() };
-            let voxels = values.dims().iter().product();
-            let channels = [(); 3].map(|()| {
-                let all = next();
-                (0..voxels).map(|_| (65535.0 * (all + change * (next() - all))) as u16).collect()
-            });
-            let colors = ColorGrid::new(values.as_ref().clone(), channels).unwrap();
-            tally.add([1e-2, 1e-3, 1e-5], &Scene { volume: colors.into(), ..scene }, &view);
-        }
-        tally.check(kind.name(), 60);
+    let mut tally = Tally::default();
+    for TestScene { scene, view, .. } in scenes(28, 350, strategies::colored_grid_scene()) {
+        tally.add([1e-2, 1e-3, 1e-5], &scene, &view);
     }
+    tally.check("coloured voxels", 1000);
 }
 
 /// Light of emissions up to a level of opacity: light and opacity have nothing to do with each other, so that where a ray is cut matters.

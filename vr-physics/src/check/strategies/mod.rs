@@ -21,11 +21,12 @@
 //! | adaptive meshes | [`adaptive_scene`] | [`tame_adaptive_scene`] |
 //! | rectilinear grids | [`rectilinear_scene`] | [`tame_rectilinear_scene`] |
 //!
-//! [`gradient_row_scene`]: any grid, the transfer function of which has rows by the gradient. [`shaded_point_scene`]: tame, and shaded. [`tame_mixed_point_scene`]: tame, of weighted means or with colours.
+//! [`gradient_row_scene`]: any grid, the transfer function of which has rows by the gradient. [`colored_grid_scene`]: grids whose voxels have colours. [`shaded_point_scene`]: tame, and shaded. [`tame_mixed_point_scene`]: tame, of weighted means or with colours.
 
 mod adaptive;
 mod assembly;
 mod cameras;
+mod colored;
 #[cfg(test)]
 pub(super) mod drawn;
 mod grids;
@@ -41,6 +42,7 @@ mod transfers;
 
 pub use adaptive::{adaptive_mesh, adaptive_scene, tame_adaptive_mesh, tame_adaptive_scene};
 pub use cameras::{camera, clip, generic_camera};
+pub use colored::colored_grid_scene;
 pub use grids::{grid, smooth_grid, tame_grid};
 pub use kinds::{Kind, scene_of};
 pub use looks::{compositing, filter, shading, tame_compositing};
