@@ -1,8 +1,8 @@
 //! Integrals of sixteen segments, from the table.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4, f32x16, i32x16, mask32x16};
-use vr_kernels::vector::{LANES, packed, pick, splat, transpose, transpose_packed};
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
+use vr_kernels::vector::{packed_rows, pick, rows_at, splat, transpose_packed};
 
 use super::segment_table::Intervals;
 
@@ -33,14 +33,8 @@ pub(super) fn look_up<S: Simd>(simd: S, table: &Intervals, place: f32x16<S>) -> 
     let index: i32x16<S> = place.min(last).to_int();
     let fraction = place - index.to_float::<f32x16<S>>();
     let index = index.to_array();
-    let zero = f32x4::splat(simd, 0.0);
-    let (mut starts, mut rates) = ([zero; LANES], [zero; LANES]);
-    for i in 0..LANES {
-        let [start, rate] = table.at(index[i] as u32);
-        starts[i] = f32x4::load_array_ref(simd, start);
-        rates[i] = f32x4::load_array_ref(simd, rate);
-    }
-    Found { starts: packed(starts), fraction, rates: transpose(rates) }
+    let starts = packed_rows(simd, index, |n| table.at(n as u32)[0]);
+    Found { starts, fraction, rates: rows_at(simd, index, |n| table.at(n as u32)[1]) }
 }
 
 /// Intervals of the table, below which a difference of two integrals is more rounding than integral.

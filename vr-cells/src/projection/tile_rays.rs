@@ -1,8 +1,8 @@
 //! Rays of a tile: their length for a unit of depth, and where they begin and end.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4, f32x16};
-use vr_kernels::vector::{LANES, pick, splat, transpose};
+use fearless_simd::{Simd, f32x16};
+use vr_kernels::vector::{pick, rows_at, splat};
 
 use super::samples::{COUNT, Numbers, ROW};
 use super::steps::Segments;
@@ -46,11 +46,7 @@ impl TileRays {
     /// The rays of some samples.
     #[inline(always)]
     pub(super) fn load<S: Simd>(&self, simd: S, numbers: &Numbers) -> Ends<S> {
-        let mut rows = [f32x4::splat(simd, 0.0); LANES];
-        for i in 0..LANES {
-            rows[i] = f32x4::load_array_ref(simd, &self.0[numbers[i] as usize % COUNT]);
-        }
-        let [along, near, far, _] = transpose(rows);
+        let [along, near, far, _] = rows_at(simd, numbers.map(|n| n as i32), |n| &self.0[n % COUNT]);
         Ends { along, near, far }
     }
 }
