@@ -112,7 +112,7 @@ impl ErrorBound {
             Compositing::Accumulate { level } => level,
             _ => 1.0,
         };
-        let calibration = source.calibration();
+        let (calibration, colored) = (source.calibration(), scene.volume.has_colors());
         let largest = match source.grid() {
             Some(volume) => {
                 let (low, high) = volume.value_stats().range.unwrap_or_default();
@@ -142,8 +142,7 @@ impl ErrorBound {
             Some(volume) => {
                 let blocks = Blocks::new(volume, &optics);
                 let colors = scene.volume.colors().cloned();
-                let in_packets =
-                    level >= 1.0 && matches!(sought, Sought::Light) && modulation.is_none() && colors.is_none();
+                let in_packets = level >= 1.0 && matches!(sought, Sought::Light) && modulation.is_none();
                 let packets = vectors.filter(|_| in_packets).and_then(|level| {
                     let reflected = reflection.as_ref().zip(gradients.as_ref());
                     BoundedPackets::new(level, volume, &optics, reflected)
@@ -152,7 +151,8 @@ impl ErrorBound {
             }
         };
         let resolution = 0.1 * error / picks::steepest(&scene.transfer, calibration);
-        let colored = scene.volume.has_colors();
+        // The place of an extreme, and with it its colour, is off by the root of what its value is.
+        let resolution = if colored { resolution * error } else { resolution };
         Self { body, optics, gradients, reflection, modulation, error, resolution, level, sought, colored }
     }
 
@@ -215,7 +215,14 @@ impl Tracer for BoundedRays<'_> {
             {
                 let before = counts.rays;
                 let seen = (self.view, self.layer);
-                open = packets.trace(&grid.volume, &self.rays, seen, spots, &mut traced[..spots.len()], counts);
+                open = packets.trace(
+                    (&grid.volume, grid.colors.as_deref()),
+                    &self.rays,
+                    seen,
+                    spots,
+                    &mut traced[..spots.len()],
+                    counts,
+                );
                 let failed = open.count_ones();
                 stages.packets.tried += (counts.rays - before) as u32 + failed;
                 stages.packets.failed += failed;

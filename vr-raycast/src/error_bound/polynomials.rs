@@ -35,9 +35,12 @@ pub(super) struct Polynomials<'a> {
     pub(super) error: f64,
     /// Colours of the places, and a bound of what each channel is off by; `None` where they are not known by polynomials.
     pub(super) colors: Option<([Poly; 3], f64)>,
-    /// Makes gradient and colours along a part between two distances, of cubics where they are known by polynomials.
-    pub(super) looks: &'a dyn Fn([f64; 2], Option<&CubicVector>, Option<&CubicVector>) -> Looks,
+    /// Makes gradient and colours along a part.
+    pub(super) looks: &'a LooksOfPart<'a>,
 }
+
+/// Function that makes gradient and colours along a part between two distances, of cubics of either where they are known by polynomials.
+type LooksOfPart<'a> = dyn Fn([f64; 2], Option<&CubicVector>, Option<&CubicVector>) -> Looks + 'a;
 
 /// Three functions along a part of a stretch, such as the components of the gradient or the channels of a colour: by the powers of a parameter from 0 to 1.
 #[derive(Clone, Copy, Debug)]

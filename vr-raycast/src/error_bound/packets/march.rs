@@ -9,6 +9,7 @@ use super::color_change::{ColorChange, PacketReflection, Places};
 use super::cost_table::{CostTable, Here};
 use super::step::{Absorption, Doubt, Step};
 use super::stretch::{STEPS, Stretch};
+use super::voxel_tints::VoxelTints;
 use crate::leap::ClearSpace;
 
 /// Medium that the rays of a frame go through.
@@ -24,8 +25,18 @@ pub(super) struct Medium<'a, T> {
     pub(super) noise: f32,
     /// Error that a ray may have, relative to max(1, its radiance).
     pub(super) error: f32,
-    /// `None` where colours stay as they are.
+    /// `None` where colours reflect no light.
     pub(super) reflection: Option<&'a PacketReflection>,
+    /// `None` where voxels have no colours of their own.
+    pub(super) tints: Option<VoxelTints<'a>>,
+}
+
+impl<T> Medium<'_, T> {
+    /// True if the transfer function's colours change from place to place.
+    #[inline(always)]
+    fn changes_colors(&self) -> bool {
+        self.reflection.is_some() || self.tints.is_some()
+    }
 }
 
 /// Sixteen rays in index space. Distances are in units of the smallest voxel edge, from where each ray enters.
@@ -60,12 +71,12 @@ pub(super) struct Marched {
 
 /// Length of the shortest steps, which are taken whatever they cost.
 const SHORTEST: f32 = 1.0 / 16384.0;
-/// Share of the error allowed that the next step aims at: where colours stay as they are, and where they reflect.
+/// Share of the error allowed that the next step aims at: where colours stay as they are, and where they change from place to place.
 const AIMS: [f32; 2] = [0.6, 0.4];
 /// Largest number of rounds of a packet; rays that are not done then have no bound here.
 const MAX_ROUNDS: u32 = 1 << 13;
 
-/// Number of rounds after which the last rays of a packet are left to the cell-by-cell integrator, where they reflect light. It takes about as long for a ray as 3000 of these rounds do.
+/// Number of rounds after which the last rays of a packet are left to the cell-by-cell integrator, where colours change. It takes about as long for a ray as 3000 of these rounds do.
 const MANY_ROUNDS: u32 = 1 << 12;
 
 /// Numbers of rounds in a row with cheap steps, after which a stretch is tried: at first, and at most, as the number doubles with each stretch that costs more than its share.
@@ -127,7 +138,8 @@ fn march_inlined<S: Simd, T: Pairs>(
     let mut spent = zero;
     // Transmittance, and the place of the colours in a step, are rounded to half a unit beside 1: each may cost as much of the brightest light.
     let (mut rounded, unit) = (zero, splat(simd, 2.0 * f32::EPSILON * costs.brightest));
-    let aim = AIMS[usize::from(medium.reflection.is_some())];
+    let changes_colors = medium.changes_colors();
+    let aim = AIMS[usize::from(changes_colors)];
     let mut failed = packet.backdrop.load(simd).simd_gt(brightest);
     end = pick(failed, never, end);
     let (mut at, mut out) = (packet.first.load(simd), never);
@@ -158,7 +170,7 @@ fn march_inlined<S: Simd, T: Pairs>(
         }
         rounds += 1;
         // The last few rays of many steps are quicker one by one, where a step costs much.
-        let few = medium.reflection.is_some() && rounds > MANY_ROUNDS && live.to_bitmask().count_ones() <= 2;
+        let few = changes_colors && rounds > MANY_ROUNDS && live.to_bitmask().count_ones() <= 2;
         if few || rounds > MAX_ROUNDS {
             failed |= live;
             break;
@@ -205,7 +217,7 @@ fn march_inlined<S: Simd, T: Pairs>(
         let clear = sums.clear(simd);
         // The cell of a ray that has leaped is that beyond the face.
         let within = (at + margin).max(ahead);
-        let advance = if calm >= patience && medium.reflection.is_none() {
+        let advance = if calm >= patience && !changes_colors {
             // Several steps under one account, where that has gone well of late.
             let stretch = Stretch::new(simd, medium, &way, [at, within, value, end], &here, [active, fresh], stages);
             samples += stretch.samples;
@@ -238,13 +250,18 @@ fn march_inlined<S: Simd, T: Pairs>(
             let doubt = Doubt::of_step(simd, costs, course, length);
             // Colours are asked for only where some can be seen.
             let mut color_change = None;
-            if let Some(reflection) = medium.reflection
-                && (active & doubt.is_seen(simd, absorption.opacity)).any_true()
-            {
+            if changes_colors && (active & doubt.is_seen(simd, absorption.opacity)).any_true() {
                 places.cell = lanes(next.cell);
                 places.middle = lanes(next.middle);
                 places.length = Lanes::new(length);
-                reflection.along(simd, field, &packet.lights, &places, stage, &mut found);
+                if let Some(reflection) = medium.reflection {
+                    reflection.along(simd, field, &packet.lights, &places, stage, &mut found);
+                } else {
+                    found = ColorChange::NONE;
+                }
+                if let Some(tints) = &medium.tints {
+                    tints.multiply(simd, &places, &mut found);
+                }
                 color_change = Some(&found);
             }
             let stepping = Step::new(simd, costs, &here, course, (absorption, doubt), [beyond, margin], color_change);
@@ -260,7 +277,7 @@ fn march_inlined<S: Simd, T: Pairs>(
             calm = if is_calm { calm + 1 } else { 0 };
             // Costs grow with the cube of the length; those of what is reflected nearly with its fourth power, and what is allowed falls by what is spent.
             let mut ratio = (allowed * aim / cost.max(splat(simd, f32::MIN_POSITIVE))).sqrt();
-            if medium.reflection.is_some() {
+            if changes_colors {
                 ratio = ratio.sqrt();
                 ratio *= ratio.sqrt();
             }

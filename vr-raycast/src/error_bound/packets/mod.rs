@@ -12,11 +12,12 @@ mod midpoints;
 mod path;
 mod step;
 mod stretch;
+mod voxel_tints;
 
 use fearless_simd::{Level, Simd};
 use glam::DVec3;
 use vr_core::image_order::ImageSample;
-use vr_core::{Counts, Filter, GridVolume, Layer, ParameterError, Rays, View, with_grid};
+use vr_core::{ColorGrid, Counts, Filter, GridVolume, Layer, ParameterError, Rays, View, with_grid};
 use vr_kernels::vector::{self, Chords, Field, LANES, Lanes, PacketLights, Pairs, Stage, Vectorized};
 
 use super::blocks;
@@ -30,6 +31,7 @@ use crate::tracer::RaySample;
 use color_change::PacketReflection;
 use cost_table::CostTable;
 use march::{Marched, Medium, Packet, march};
+use voxel_tints::VoxelTints;
 
 /// Tables of a scene for packets whose error is bounded.
 #[derive(Clone, Debug)]
@@ -38,8 +40,10 @@ pub(super) struct BoundedPackets {
     clear: ClearSpace,
     costs: CostTable,
     hull: Hull,
-    /// `None` where colours stay as they are.
+    /// `None` where colours reflect no light.
     reflection: Option<PacketReflection>,
+    /// Largest component of a colour of the transfer function.
+    brightest_color: f64,
     /// World length of the smallest voxel edge.
     unit: f64,
     span: f32,
@@ -78,7 +82,8 @@ impl BoundedPackets {
         let hull = Hull::new(dims, clear.visible_blocks(dims));
         // Rounding of three linear interpolations, each of a difference, a product and a sum; and of the knots' places.
         let noise = f64::from(low.abs().max(high.abs())) * 24.0 * libm::exp2(-24.0) + optics.knot_error;
-        Some(Self { level, clear, costs, hull, reflection, unit, span, noise: noise as f32 * (1.0 + 1e-6) })
+        let noise = noise as f32 * (1.0 + 1e-6);
+        Some(Self { level, clear, costs, hull, reflection, brightest_color: optics.brightest, unit, span, noise })
     }
 }
 
@@ -109,10 +114,10 @@ impl<'a> PacketView<'a> {
         self.near.is_clear(low, high)
     }
 
-    /// Traces up to sixteen rays, and returns the mask of those whose bound is not kept: the caller has to trace these by other means.
+    /// Traces up to sixteen rays through a volume, with colours or without, and returns the mask of those whose bound is not kept: the caller has to trace these by other means.
     pub(super) fn trace(
         &self,
-        volume: &GridVolume,
+        (volume, colors): (&GridVolume, Option<&ColorGrid>),
         rays: &Rays,
         (view, layer): (&View, Option<&Layer>),
         spots: &[ImageSample],
@@ -130,6 +135,7 @@ impl<'a> PacketView<'a> {
                 noise: self.packets.noise,
                 error: self.error,
                 reflection: self.packets.reflection.as_ref(),
+                tints: colors.map(|colors| VoxelTints::new(colors, self.packets.brightest_color)),
             };
             vector::run(self.packets.level, Trace { view: self, medium: &medium, volume, rays, seen: (view, layer), spots, values, counts })
         })

@@ -190,6 +190,7 @@ mod tests {
                     noise: packets.noise,
                     error: 1e-3,
                     reflection: None,
+                    tints: None,
                 };
                 let simd = baseline();
                 let stretch = {
