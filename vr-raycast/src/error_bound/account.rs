@@ -130,7 +130,7 @@ impl Account {
         cost <= NEGLIGIBLE * self.budget() || self.error + cost <= self.share(s + step.length, left)
     }
 
-    /// Returns what a shorter step could save, before it is dimmed, of what light is off by because the ray is cut.
+    /// Returns the error, before it is dimmed, that is due to the cut of the ray and that shorter steps would lessen.
     pub(super) fn cut(&self, step: &Step) -> f64 {
         let level = self.limits.level;
         if level >= 1.0 {
@@ -240,7 +240,7 @@ impl Account {
         self.error += self.transmittance * (light + opacity * self.max_light(self.start));
     }
 
-    /// True if the ray would be known better if its steps were.
+    /// True if some light is doubtful: there is less of it where steps are off by less.
     pub(super) fn is_doubtful(&self) -> bool {
         self.doubtful > 0.0
     }

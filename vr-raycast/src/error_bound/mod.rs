@@ -160,7 +160,7 @@ impl ErrorBound {
     fn ray_error(&self) -> f64 {
         let error = self.error * (1.0 - 1e-3) - f64::from(f32::EPSILON);
         // A ray that is cut where light goes with opacity: see the README.
-        if self.level < 1.0 && !self.cuts_emission() { error / 3.0 } else { error }
+        if self.level < 1.0 && !self.optics.emits { error / 3.0 } else { error }
     }
 
     /// True if rays are cut at a level of opacity, and gather light that does not go with opacity.
@@ -185,6 +185,10 @@ impl ErrorBound {
         }
     }
 }
+
+/// Shares of the error that steps may have where an emission is cut, each for rays of which the one before leaves too much in doubt: where a ray is cut depends on what its steps are off by, and
+/// its light may depend on that place far more.
+const SHARES_OF_CUT_EMISSION: [f64; 4] = [0.3, 0.03, 0.003, 3e-4];
 
 /// Returns the largest component of the surface behind a pixel; 0 where there is none.
 fn backdrop(layer: &Layer, pixel: usize) -> f32 {
@@ -359,8 +363,8 @@ impl BoundedRays<'_> {
     }
 
     fn both_stages(&self, ray: &BoundedRay<'_>, single: &mut Tries, counts: &mut Counts) -> Account {
-        // Where a ray is cut depends on what its steps are off by. With an emission, its light does, by more than that.
-        let of_steps = if self.error_bound.cuts_emission() { 0.3 } else { 1.0 };
+        let shares = if self.error_bound.cuts_emission() { &SHARES_OF_CUT_EMISSION[..] } else { &[1.0] };
+        let of_steps = shares[0];
         if self.single && single.is_worth_while() {
             single.tried += 1;
             let (account, kept) = self.integrated::<f32>(ray, of_steps);
@@ -372,7 +376,7 @@ impl BoundedRays<'_> {
         }
         counts.repeated += u64::from(self.single);
         let (mut account, mut kept) = self.integrated::<f64>(ray, of_steps);
-        for of_steps in [0.03, 0.003, 3e-4] {
+        for &of_steps in &shares[1..] {
             if kept || !account.is_doubtful() {
                 break;
             }

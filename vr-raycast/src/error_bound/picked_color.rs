@@ -6,6 +6,7 @@ use super::blocks::Blocks;
 use super::cubic::Cubic;
 use super::looks::Looks;
 use super::piece_by_piece::Place;
+use super::series::Series;
 use super::tint::Tint;
 use super::walk::{Course, Jump};
 
@@ -71,9 +72,8 @@ impl PlacesOfExtreme {
         if high < -off {
             return;
         }
-        let differ = |channels: [super::series::Series; 3]| channels.iter().map(|c| c.spread()).fold(0.0, f64::max);
-        let is_enough = tint.on(ends).is_none_or(|channels| differ(channels) <= self.resolution);
-        if is_enough || halvings >= MAX_HALVINGS || low >= -off && high <= off {
+        let difference = tint.on(ends).map_or(0.0, |all| all.iter().map(Series::spread).fold(0.0, f64::max));
+        if difference <= self.resolution || halvings >= MAX_HALVINGS || low >= -off && high <= off {
             return self.take(tint, ends);
         }
         let (front, back) = above.split(0.5);

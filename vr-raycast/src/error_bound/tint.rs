@@ -95,3 +95,49 @@ impl<'a> VoxelColors<'a> {
 
 /// Light of one stored unit.
 const SHARE: f64 = 1.0 / ColorGrid::WHITE as f64;
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use vr_core::{Calibration, GridVolume, IndexRay, Placement, UniformGrid};
+
+    use super::*;
+
+    /// Along a cell, colours are those of the grid, in parts and in the mean.
+    #[test]
+    fn colours_are_those_of_the_grid() {
+        let grid =
+            UniformGrid::new([3; 3], vec![0u8; 27], Placement::from_spacing([1.0; 3]).unwrap(), Calibration::default());
+        let values = GridVolume::new(grid.unwrap().into(), Filter::Trilinear);
+        let channels = [7919, 104_729, 1_299_709].map(|p| (0..27u32).map(|i| (i * p % 65_521) as u16).collect());
+        let trilinear = ColorGrid::new(values, channels).unwrap();
+        let ray = IndexRay {
+            origin: DVec3::new(1.1, 0.2, 0.9),
+            direction: DVec3::new(0.3, 0.2, -0.4),
+            start: 0.0,
+            end: 1.0,
+            offset: 0.0,
+        };
+        for colors in [trilinear.with_filter(Filter::Nearest), trilinear] {
+            // Half-way between voxels along no axis.
+            let ends = [0.1, 0.9];
+            let crossed = Crossed::new(&ray, [1, 0, 0], ends, 1e-15);
+            let tint = VoxelColors::new(&colors).along(&crossed);
+            let at = |t: f64| colors.color::<f64>(ray.at(ends[0] + t * (ends[1] - ends[0])).to_array());
+            let count = 2000;
+            let mut sums = [0.0; 3];
+            for i in 0..count {
+                let t = (f64::from(i) + 0.5) / f64::from(count);
+                let (found, off) = tint.at(t);
+                for c in 0..3 {
+                    assert!((found[c] - at(t)[c]).abs() <= off + 1e-15, "{:?}, {t}", colors.color_filter());
+                    sums[c] += at(t)[c] / f64::from(count);
+                }
+            }
+            let (mean, off) = tint.mean();
+            // Midpoints of a cubic are off by a 24th of its bend and the square of their distance.
+            assert!((0..3).all(|c| (mean[c] - sums[c]).abs() <= off + 1e-7), "{mean:?} {sums:?}");
+            assert_eq!(tint.is_blurred([0.0, 1.0]), colors.color_filter() == Filter::Nearest);
+        }
+    }
+}

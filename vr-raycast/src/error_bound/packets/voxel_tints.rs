@@ -30,7 +30,7 @@ impl<'a> VoxelTints<'a> {
         Self { channels, brightest: brightest as f32 * (1.0 + 1e-6) }
     }
 
-    /// Multiplies colours by those of the places along steps, before they change as they do. The product of two parabolas is one but for two terms: see the README beside the folder.
+    /// Multiplies colours by those of the places along steps, before they reflect light. The product of two parabolas is one but for two terms: see the README beside the folder.
     ///
     /// Its own function: most volumes have no colours.
     #[inline(never)]
