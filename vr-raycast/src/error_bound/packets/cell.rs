@@ -120,18 +120,18 @@ impl<S: Simd> Entry<S> {
 }
 
 /// Field along a step inside a cell.
-struct Along<S: Simd> {
-    begin: f32x16<S>,
-    middle: f32x16<S>,
-    end: f32x16<S>,
+pub(super) struct Along<S: Simd> {
+    pub(super) begin: f32x16<S>,
+    pub(super) middle: f32x16<S>,
+    pub(super) end: f32x16<S>,
     /// Third difference of the cell's corners: what the cubic part is made of.
-    third: f32x16<S>,
+    pub(super) third: f32x16<S>,
 }
 
 impl<S: Simd> Along<S> {
     /// Evaluates the trilinear field of staged cells at three places in each.
     #[inline(always)]
-    fn new<T: Pairs>(simd: S, field: &Field<'_, T>, stage: &Stage<T>, places: [&[f32x16<S>; 3]; 3]) -> Self {
+    pub(super) fn new<T: Pairs>(simd: S, field: &Field<'_, T>, stage: &Stage<T>, places: [&[f32x16<S>; 3]; 3]) -> Self {
         let [[a00, b00, a10, b10], [a01, b01, a11, b11]] = field.faces(simd, 2, stage);
         let (d00, d10, d01, d11) = (b00 - a00, b10 - a10, b01 - a01, b11 - a11);
         let third = (d11 - d01) - (d10 - d00);

@@ -5,6 +5,7 @@ use fearless_simd::{Simd, f32x16, i32x16};
 use vr_core::ColorGrid;
 use vr_kernels::vector::{Cells, Field, Lanes, Stage, splat};
 
+use super::cell::Along;
 use super::color_change::{ColorChange, Places, load};
 
 /// Colours of the voxels of a grid, by which those of the transfer function are multiplied.
@@ -47,7 +48,10 @@ impl<'a> VoxelTints<'a> {
         let (cell, middle, delta) = (load(simd, &places.cell), load(simd, &places.middle), load(simd, &places.delta));
         let length = places.length.load(simd);
         let half = [delta[0] * length * 0.5, delta[1] * length * 0.5, delta[2] * length * 0.5];
+        let first = [middle[0] - half[0], middle[1] - half[1], middle[2] - half[2]];
+        let last = [middle[0] + half[0], middle[1] + half[1], middle[2] + half[2]];
         let volume = (half[0] * half[1] * half[2]).abs() * 8.0;
+        let share = 1.0 / f32::from(ColorGrid::WHITE);
         let cells = Cells {
             cell: [cell[0].to_int::<i32x16<S>>(), cell[1].to_int::<i32x16<S>>(), cell[2].to_int::<i32x16<S>>()],
             fraction: middle,
@@ -56,16 +60,17 @@ impl<'a> VoxelTints<'a> {
         let (mut off, mut largest) = (zero, zero);
         for c in 0..3 {
             self.channels[c].fetch(simd, &cells, stage);
-            let (tint, third) = self.along(simd, c, [&middle, &half], stage);
+            let Along { begin, middle, end, third } =
+                Along::new(simd, &self.channels[c], stage, [&first, &middle, &last]);
+            let tint = [begin * share, middle * share, end * share];
             let factor = load(simd, &change.factor[c]);
             let size = factor[0].abs().max(factor[1].abs()).max(factor[2].abs());
             let (turned, faded) = ((factor[2] - factor[0]).abs(), (tint[2] - tint[0]).abs());
-            let bulge = |ends: [f32x16<S>; 3]| (ends[1] - (ends[0] + ends[2]) * 0.5).abs();
             let (turned_bulge, faded_bulge) = (bulge(factor), bulge(tint));
             let product = (turned * faded_bulge + turned_bulge * faded) * 0.2 + turned_bulge * faded_bulge * 0.25;
             // A parabola is nowhere larger than its places and its bulge.
             let (most, tint_most) = (size + turned_bulge, tint[0].max(tint[1]).max(tint[2]) + faded_bulge);
-            let missed = third.abs() * volume * CUBIC;
+            let missed = third.abs() * share * volume * CUBIC;
             off = off.max(most * missed + factor_off * (tint_most + missed) + product);
             largest = largest.max(most + factor_off);
             for i in 0..3 {
@@ -77,29 +82,12 @@ impl<'a> VoxelTints<'a> {
         change.blurred = Lanes::new(change.blurred.load(simd) + light * NOISE);
         change.beyond = Lanes::new(change.beyond.load(simd) + light * places.margin.load(simd) * BEYOND);
     }
+}
 
-    /// Returns a staged channel at the begin, in the middle and at the end of steps, and the third difference of its cell's corners.
-    #[inline(always)]
-    fn along<S: Simd>(
-        &self,
-        simd: S,
-        c: usize,
-        [middle, half]: [&[f32x16<S>; 3]; 2],
-        stage: &Stage<u16>,
-    ) -> ([f32x16<S>; 3], f32x16<S>) {
-        let share = 1.0 / f32::from(ColorGrid::WHITE);
-        let [[a00, b00, a10, b10], [a01, b01, a11, b11]] = self.channels[c].faces(simd, 2, stage);
-        let (d00, d10, d01, d11) = (b00 - a00, b10 - a10, b01 - a01, b11 - a11);
-        let third = ((d11 - d01) - (d10 - d00)) * share;
-        let mut values = [third; 3];
-        for (value, side) in values.iter_mut().zip([-1.0, 0.0, 1.0]) {
-            let [x, y, z] = [middle[0] + half[0] * side, middle[1] + half[1] * side, middle[2] + half[2] * side];
-            let (f00, f10, f01, f11) = (a00 + x * d00, a10 + x * d10, a01 + x * d01, a11 + x * d11);
-            let (f0, f1) = (f00 + y * (f10 - f00), f01 + y * (f11 - f01));
-            *value = (f0 + z * (f1 - f0)) * share;
-        }
-        (values, third)
-    }
+/// Returns how far a parabola is from the line through its ends, in its middle.
+#[inline(always)]
+fn bulge<S: Simd>([begin, middle, end]: [f32x16<S>; 3]) -> f32x16<S> {
+    (middle - (begin + end) * 0.5).abs()
 }
 
 #[cfg(test)]
