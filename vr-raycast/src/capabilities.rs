@@ -131,7 +131,7 @@ fn check_colors(caster: &RayCaster) -> Result<(), RenderError> {
             ImageSampling::Auto | ImageSampling::EveryPixel | ImageSampling::Adaptive { .. }
         ) || !caster.image_sampling.casts_pixels());
     if !plain {
-        let what = "voxels with colours but in uniform or local steps by the rule midpoint or left, which sample a step at one place, or with a promised error";
+        let what = "voxels with colours, except in uniform or local steps by the rule midpoint or left, which sample a step at one place, and with a promised error";
         return Err(unsupported(Feature::Setting, what));
     }
     Ok(())

@@ -75,6 +75,8 @@ fn what_a_renderer_cannot_promise_is_told_with_one_that_can() {
     let emitting = "render --scene emitting.toml --size 8 --error none -o p.png --force --max-error 0.004";
     let drawn = vr.run(emitting).succeeded();
     assert!(drawn.stdout.contains("error bound proven"), "{}", drawn.stdout);
+    let refused = vr.run("render --phantom blobs --size 8 --error none -o p.png --renderer march").failed(1);
+    assert!(refused.contains("uniform grid") && refused.contains(" or physics can)"), "{refused}");
     let refused = vr.run(&format!("{render} --renderer splat")).failed(2);
     assert!(refused.contains("splat cannot bound the error"), "{refused}");
 }

@@ -13,7 +13,7 @@ const RESOLUTION_SHARE: f64 = 0.02;
 pub(super) struct Limits {
     /// Largest error, relative to max(1, the ray's own radiance).
     pub(super) error: f64,
-    /// Share of the error that steps may have: what they are off by decides how much of an emission is doubtful where the ray is cut.
+    /// Share of the error that steps may use. Their error decides how much of an emission is in doubt around the cut.
     pub(super) of_steps: f64,
     /// Opacity at which the ray is cut; 1 if it never is.
     pub(super) level: f64,
@@ -140,7 +140,7 @@ impl Account {
         if !self.limits.emits {
             return if behind >= level { step.opacity * step.variation } else { 0.0 };
         }
-        // Light counts as doubtful from where the ray may be cut to where it is for certain: all of that of a step which holds one of these places.
+        // Light is in doubt from the first place where the ray may be cut to the first where it surely is: all of it, in a step that holds either place.
         let holds = |off: f64| before + off < level && behind + off >= level;
         if holds(self.error) || holds(-self.error) { step.brightest() } else { 0.0 }
     }
@@ -240,7 +240,7 @@ impl Account {
         self.error += self.transmittance * (light + opacity * self.max_light(self.start));
     }
 
-    /// True if some light is doubtful: there is less of it where steps are off by less.
+    /// True if some light is in doubt; smaller errors of the steps leave less of it.
     pub(super) fn is_doubtful(&self) -> bool {
         self.doubtful > 0.0
     }

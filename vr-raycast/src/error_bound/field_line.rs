@@ -20,8 +20,6 @@ pub(super) struct FieldWay<'a> {
     /// Parts of it whose range is known, ascending; none where the field does not tell.
     stretches: Vec<Stretch>,
     gradients: Option<&'a Gradients>,
-    /// True if its places have colours of their own.
-    colored: bool,
     /// Error that is promised.
     error: f64,
 }
@@ -41,7 +39,7 @@ impl<'a> FieldWay<'a> {
         for stretch in &mut stretches {
             (stretch.from, stretch.to) = (stretch.from - chord.offset, stretch.to - chord.offset);
         }
-        Some(Self { line, breakpoints, stretches, gradients, colored: field.has_colors(), error })
+        Some(Self { line, breakpoints, stretches, gradients, error })
     }
 
     pub(super) fn chord(&self) -> Chord {
@@ -120,8 +118,7 @@ impl<'a> FieldWay<'a> {
         };
         let gradient = model.gradient.map(|gradient| (gradient, model.gradient_error, steepest(&gradient)));
         let [from, to] = ends;
-        let colors =
-            self.colored.then(|| self.line.color(from, to)).flatten().map(|color| (color.channels, color.error));
+        let colors = self.line.color(from, to).map(|color| (color.channels, color.error));
         let looks = |_: [f64; 2], gradient: Option<&CubicVector>, colors: Option<&CubicVector>| {
             let normals = match (self.gradients, gradient) {
                 (None, _) => Normals::Absent,
@@ -131,7 +128,7 @@ impl<'a> FieldWay<'a> {
             Looks { normals, tint: colors.map_or(Tint::White, |colors| Tint::Along(*colors)) }
         };
         if model.field.is_constant() && model.field_error == 0.0 {
-            // A stretch of one value may change its colours.
+            // Along a stretch of one value colours may change.
             if colors.as_ref().is_none_or(|(channels, _)| channels.iter().all(Poly::is_constant)) {
                 let gradient = gradient.as_ref().map(|(gradient, off, _)| CubicVector::whole(gradient, *off));
                 let colors = colors.as_ref().map(|(colors, off)| CubicVector::whole(colors, *off));

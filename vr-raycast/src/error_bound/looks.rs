@@ -1,4 +1,4 @@
-//! What a medium looks like along a cell beside what the value says: the gradient, which light and opacity may follow, and the colours of the places.
+//! Gradient and colours along a cell: what light and opacity depend on besides the value.
 
 use super::normals::Normals;
 use super::reflection::{ColorChange, RayReflection};
@@ -12,7 +12,7 @@ pub(super) struct Looks {
 }
 
 impl Looks {
-    /// Those of places of which nothing is known but whether they have colours of their own.
+    /// Unknown gradients, and unknown colours where places have any of their own.
     pub(super) fn unknown(colored: bool) -> Self {
         Self { normals: Normals::Unknown, tint: if colored { Tint::Unknown } else { Tint::White } }
     }
@@ -22,7 +22,7 @@ impl Looks {
         matches!((&self.normals, &self.tint), (Normals::Absent, Tint::White))
     }
 
-    /// Returns what becomes of the transfer function's colours on the part [from, to] of a cell, 0 to 1; `None` where they stay.
+    /// Returns the change of the transfer function's colours on the part [from, to] of a cell, 0 to 1; `None` if there is none.
     pub(super) fn change(&self, reflection: Option<&RayReflection<'_>>, part: [f64; 2]) -> Option<ColorChange> {
         let reflected = reflection.map(|reflection| reflection.on(&self.normals, part));
         let Some(tint) = self.tint.on(part) else { return reflected };

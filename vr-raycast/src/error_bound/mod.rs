@@ -5,6 +5,7 @@ mod blocks;
 mod cone;
 mod crossed;
 mod cubic;
+mod depth;
 mod field_line;
 mod first;
 mod looks;
@@ -21,6 +22,7 @@ mod reflection;
 mod seeded;
 mod series;
 mod step;
+mod step_by_place;
 mod tint;
 mod walk;
 mod wide_cells;
@@ -151,7 +153,7 @@ impl ErrorBound {
             }
         };
         let resolution = 0.1 * error / picks::steepest(&scene.transfer, calibration);
-        // The place of an extreme, and with it its colour, is off by the root of what its value is.
+        // An error δ of the value moves the place of an extreme, and with it the colour, by about √δ.
         let resolution = if colored { resolution * error } else { resolution };
         Self { body, optics, gradients, reflection, modulation, error, resolution, level, sought, colored }
     }
@@ -175,10 +177,11 @@ impl ErrorBound {
         Ok(prepared.map(|packets| PacketView::new(packets, &grid.volume, view, self.ray_error())).transpose()?)
     }
 
-    fn limits(&self) -> Limits {
+    /// Limits of rays whose steps may use a share of the error.
+    fn limits(&self, of_steps: f64) -> Limits {
         Limits {
             error: self.ray_error(),
-            of_steps: 1.0,
+            of_steps,
             level: self.level,
             brightest: self.reflection.as_ref().map_or(self.optics.brightest, |reflection| reflection.brightest),
             emits: self.optics.emits,
@@ -186,8 +189,8 @@ impl ErrorBound {
     }
 }
 
-/// Shares of the error that steps may have where an emission is cut, each for rays of which the one before leaves too much in doubt: where a ray is cut depends on what its steps are off by, and
-/// its light may depend on that place far more.
+/// Shares of the error that steps may use where an emission is cut. Each is tried for rays of which the one before leaves too much light in doubt: the place of the cut depends on the error of the
+/// steps, and light may depend on that place far more.
 const SHARES_OF_CUT_EMISSION: [f64; 4] = [0.3, 0.03, 0.003, 3e-4];
 
 /// Returns the largest component of the surface behind a pixel; 0 where there is none.
@@ -392,11 +395,11 @@ impl BoundedRays<'_> {
         account
     }
 
-    /// Integrates a ray in one precision, with steps that may have a share of the error. Also returns true if its bound is kept.
+    /// Integrates a ray in one precision, with steps that may use a share of the error. Also returns true if its bound is kept.
     fn integrated<R: Real>(&self, ray: &BoundedRay<'_>, of_steps: f64) -> (Account, bool) {
         let (error_bound, &BoundedRay { ref way, ref reflection, backdrop }) = (self.error_bound, ray);
         let Chord { start, end, .. } = way.chord();
-        let account = Account::new(Limits { of_steps, ..error_bound.limits() }, start, end, backdrop);
+        let account = Account::new(error_bound.limits(of_steps), start, end, backdrop);
         let by_place = (reflection.clone(), error_bound.modulation.as_ref(), Looks::unknown(error_bound.colored));
         // Only f32 has something better to turn to.
         let gives_up = R::ROUNDOFF > f64::EPSILON;

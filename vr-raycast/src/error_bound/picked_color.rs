@@ -27,7 +27,7 @@ pub(super) struct Extreme {
     pub(super) color_off: f64,
 }
 
-/// Search for all places of a ray where the true extreme may be: those at which the field may come to what it is at least.
+/// Search for all places of a ray where the true extreme may be: those where the field may reach its lower bound.
 pub(super) struct PlacesOfExtreme {
     extreme: Extreme,
     /// Difference of colours that does not matter.
@@ -58,9 +58,9 @@ impl PlacesOfExtreme {
         self.apart.min(1.0) + self.extreme.color_off
     }
 
-    /// Takes a part of a cell at which the extreme may be.
-    fn take(&mut self, tint: &Tint, ends: [f64; 2]) {
-        let Some(channels) = tint.on(ends) else { return };
+    /// Takes the colours of a part of a cell where the extreme may be; `None`: they are white.
+    fn take(&mut self, channels: Option<[Series; 3]>) {
+        let Some(channels) = channels else { return };
         for (channel, found) in channels.iter().zip(self.extreme.color) {
             self.apart = self.apart.max((channel.c[0] - found).abs() + channel.spread());
         }
@@ -72,9 +72,10 @@ impl PlacesOfExtreme {
         if high < -off {
             return;
         }
-        let difference = tint.on(ends).map_or(0.0, |all| all.iter().map(Series::spread).fold(0.0, f64::max));
+        let channels = tint.on(ends);
+        let difference = channels.iter().flatten().map(Series::spread).fold(0.0, f64::max);
         if difference <= self.resolution || halvings >= MAX_HALVINGS || low >= -off && high <= off {
-            return self.take(tint, ends);
+            return self.take(channels);
         }
         let (front, back) = above.split(0.5);
         let (middle, halvings) = (0.5 * (ends[0] + ends[1]), halvings + 1);
@@ -113,13 +114,13 @@ impl Course for PlacesOfExtreme {
         if self.cannot_win(range) { f64::INFINITY } else { 0.0 }
     }
 
-    /// Does nothing: a place that is off by a bound has the colours of the stretches beside it.
+    /// Does nothing: the stretches on both sides of the place count already.
     fn jump(&mut self, _: &Jump) {}
 
     fn constant(&mut self, stored: f64, looks: impl FnOnce() -> Looks, _: f64, _: f64) {
         self.steps += 1;
         if !self.cannot_win([stored; 2]) {
-            self.take(&looks().tint, [0.0; 2]);
+            self.take(looks().tint.on([0.0; 2]));
             self.is_settled = true;
         }
     }

@@ -28,8 +28,9 @@ pub(super) struct Search {
     /// Largest value found, times the sign, and its distance.
     found: f64,
     pub(super) distance: f64,
-    /// True if places have colours of their own; and that of the value found, with what it is off by.
+    /// True if places have colours of their own.
     colored: bool,
+    /// Colour of the place of the value found, and a bound of its error.
     color: ([f64; 3], f64),
     /// Bounds of the largest value that there is.
     at_least: f64,

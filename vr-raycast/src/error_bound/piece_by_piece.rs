@@ -10,9 +10,8 @@ use super::modulation::{Factor, Modulation};
 use super::optics::{Extremes, Optics, Piece};
 use super::reflection::{ColorChange, RayReflection};
 use super::series::Series;
-use super::step::{
-    ByPlace, Step, coarse, constant, constant_by_place, constant_mixture, smooth, smooth_by_place, smooth_mixture,
-};
+use super::step::{Step, coarse, constant, smooth};
+use super::step_by_place::{ByPlace, constant_by_place, constant_mixture, smooth_by_place, smooth_mixture};
 use super::walk::{Course, Jump};
 use crate::root::monotone_root;
 
@@ -98,7 +97,7 @@ impl<'a> Integral<'a> {
         !(too_long || self.account.is_over())
     }
 
-    /// Integrates a part, from one fraction of a cell to another, of one extinction and colour, which follow the place.
+    /// Integrates a part, from one fraction of a cell to another, of one extinction and colour, which depend on the place.
     fn uniform_part(&mut self, mut medium: Uniform, looks: &Looks, (ends, s, length): ([f64; 2], f64, f64), cuts: u32) {
         if self.is_done() || length <= 0.0 {
             return;
@@ -191,7 +190,7 @@ impl<'a> Integral<'a> {
         fits
     }
 
-    /// Returns extremes of a medium that follows its place, on a part of a cell.
+    /// Returns extremes of a medium that depends on the place, on a part of a cell.
     fn by_place(&self, extremes: &Extremes, looks: &Looks, ends: [f64; 2]) -> Extremes {
         let mut all = *extremes;
         if let Some(change) = self.change(looks, ends) {

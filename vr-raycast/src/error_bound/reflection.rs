@@ -30,7 +30,7 @@ pub(super) struct RayReflection<'a> {
     ray: RayShading<f64>,
 }
 
-/// Change of colours on a part of a cell, by the light that they reflect and by the colours of their places: each channel c becomes c · `factor` + `added`.
+/// Change of colours on a part of a cell, by the colour of the place and by reflection: each channel c becomes c · `factor` + `added`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ColorChange {
     pub(super) factor: [Series; 3],
@@ -38,10 +38,10 @@ pub(super) struct ColorChange {
 }
 
 impl ColorChange {
-    /// That of colours that stay as they are.
+    /// No change: a factor of 1, and nothing added.
     pub(super) const UNCHANGED: Self = Self { factor: [Series::constant(1.0); 3], added: [Series::constant(0.0); 3] };
 
-    /// Returns the change of colours that are multiplied by those of their places before they reflect light.
+    /// Returns the same change behind a multiplication by the colours of the places, which comes before reflection.
     pub(super) fn of_tinted(&self, tint: &[Series; 3]) -> Self {
         Self { factor: std::array::from_fn(|c| self.factor[c].product(&tint[c])), ..*self }
     }

@@ -286,7 +286,7 @@ fn random_scenes_of_colored_voxels() {
     tally.check("coloured voxels", 1000);
 }
 
-/// Light of emissions up to a level of opacity: light and opacity have nothing to do with each other, so that where a ray is cut matters.
+/// Emissions up to a level of opacity: light does not go with opacity, so that the place of the cut matters.
 #[test]
 fn random_scenes_of_cut_emission() {
     let mut tally = Tally::default();

@@ -7,7 +7,7 @@ use super::hashed::Hashed;
 use super::kinds::{Kind, scene_of};
 use crate::check::TestScene;
 
-/// A scene of a uniform grid of any [`Kind`] but the offset, the extreme and the far ones, whose voxels have colours: one all over, a little beside it, or any.
+/// A scene of any [`Kind`] except `Offsets`, `Extremes` and `Far`, with a colour for each voxel: all the same, similar ones, or any.
 pub fn colored_grid_scene() -> impl Strategy<Value = TestScene> {
     let kinds: Vec<Kind> =
         Kind::ALL.into_iter().filter(|kind| ![Kind::Offsets, Kind::Extremes, Kind::Far].contains(kind)).collect();

@@ -11,6 +11,9 @@ use super::step::Course;
 /// Error of a position, in cells: its three fractions are rounded to f32.
 const MISPLACED: f32 = 4.0 / (1 << 24) as f32;
 
+/// Largest value of t(t − ½)(t − 1), from 0 to 1: √3/36.
+pub(super) const CUBIC: f32 = 0.0482;
+
 /// Ways of sixteen rays through cells, and how exactly the field is known along them.
 pub(super) struct Way<S: Simd> {
     pub(super) path: Path<S>,
@@ -39,8 +42,8 @@ impl<S: Simd> Way<S> {
             exits: Exits::new(simd, &delta),
             delta,
             margin,
-            // The third difference of the corners times dx dy dz h³ t(t − ½)(t − 1), the last of which is at most √3/36.
-            cubic: (delta[0] * delta[1] * delta[2]).abs() * 0.0482,
+            // The third difference of the corners times dx dy dz h³ t(t − ½)(t − 1).
+            cubic: (delta[0] * delta[1] * delta[2]).abs() * CUBIC,
             // Fractions of a cell are rounded: at most this changes the value.
             unsure: splat(simd, medium.span * MISPLACED + medium.noise + medium.costs.misplaced),
             // Behind its face a step follows the field of its own cell, over less than two margins; and before the face that it leaped to, over less than four. The two

@@ -70,7 +70,7 @@ impl ColorChange {
 }
 
 /// Unit of rounding of f32.
-const U: f32 = 1.0 / (1 << 24) as f32;
+pub(super) const U: f32 = 1.0 / (1 << 24) as f32;
 /// Share of its third derivative that a function is off by, at most, from the parabola through its ends and its middle: √3/216.
 const PARABOLA: f32 = 0.00802;
 /// Error of an interpolated gradient, relative to the longest in its cell: some 15 roundings of the interpolation and twelve of the place, of differences up to

@@ -5,8 +5,8 @@ use fearless_simd::{Simd, f32x16, i32x16};
 use vr_core::ColorGrid;
 use vr_kernels::vector::{Cells, Field, Lanes, Stage, splat};
 
-use super::cell::Along;
-use super::color_change::{ColorChange, Places, load};
+use super::cell::{Along, CUBIC};
+use super::color_change::{ColorChange, Places, U, load};
 
 /// Colours of the voxels of a grid, by which those of the transfer function are multiplied.
 #[derive(Clone, Copy, Debug)]
@@ -16,13 +16,9 @@ pub(super) struct VoxelTints<'a> {
     brightest: f32,
 }
 
-/// Unit of rounding of f32.
-const U: f32 = 1.0 / (1 << 24) as f32;
 /// Error of an interpolated channel: some 16 roundings, and twelve of the place, as it changes by 1 along each axis of a cell at most.
 const NOISE: f32 = 28.0 * U;
-/// Largest value of t(t − ½)(t − 1), from 0 to 1: √3/36.
-const CUBIC: f32 = 0.0482;
-/// Bound of what a channel is off by a margin behind the face of its cell, or before it, per margin: twice its largest change along three axes, over four margins.
+/// Bound of a channel's error outside its cell, per margin: twice its largest change along three axes, over the four margins that a step may reach beyond a face.
 const BEYOND: f32 = 24.0;
 
 impl<'a> VoxelTints<'a> {
